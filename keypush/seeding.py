@@ -1,0 +1,20 @@
+"""Every random draw comes from a generator seeded by (scenario seed, episode, purpose)."""
+
+import zlib
+
+import numpy as np
+
+
+def make_generator(seed: int, episode: int, purpose: str, step: int = 0) -> np.random.Generator:
+    """Makes the generator of one purpose in one episode.
+
+    The stream depends on its arguments alone, never on what was drawn before it or
+    on the process that draws, so results are the same for any number of processes.
+
+    Args:
+        seed: scenario seed, >= 0.
+        episode: episode index, >= 0.
+        purpose: what the numbers are for, such as "goal" or "point_cloud_noise".
+        step: policy step, for draws that repeat within an episode.
+    """
+    return np.random.default_rng([seed, episode, zlib.crc32(purpose.encode()), step])
