@@ -1,0 +1,319 @@
+"""The scenario: every constant of the task, as dataclasses that YAML and the command line share.
+
+Units are SI (m, s, kg, N, rad) unless a name ends in `_deg`. Frames: W world (centre of the
+table top, z up, x away from the robot), B robot base, E tool tip, O object.
+"""
+
+import dataclasses
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
+
+from keypush.errors import UserError
+
+POLICIES = ("expert", "keypoint", "centroid")
+INTEGRATORS = ("cenic", "discrete")
+
+
+def _number(default: float, low: float, high: float) -> Any:
+    """A numeric field with its closed range of allowed values."""
+    return field(default=default, metadata={"range": (low, high)})
+
+
+def _vector(default: list[float], low: float, high: float) -> Any:
+    """A fixed-length list field whose every entry has the same closed range."""
+    return field(
+        default_factory=lambda: list(default),
+        metadata={"range": (low, high), "length": len(default)},
+    )
+
+
+def _choice(default: str, allowed: tuple[str, ...]) -> Any:
+    """A field that holds one of a few words; Drake's YAML schemas know no `Literal`."""
+    return field(default=default, metadata={"allowed": allowed})
+
+
+@dataclass(kw_only=True)
+class ObjectConfig:
+    """The object that is pushed."""
+
+    name: str = "mug"
+    """Catalogue name."""
+    size_ratio: float = _number(1.0, 0.25, 3.0)
+    """Size relative to the catalogue's, whose bounding sphere about O is 0.10 m across."""
+    mass: float = _number(0.1, 0.001, 10.0)
+    """Mass in kg; the inertia is that of uniform density."""
+    friction: float = _number(0.7, 0.0, 3.0)
+    """Coulomb coefficient; Drake combines a pair as 2ab/(a+b)."""
+
+
+@dataclass(kw_only=True)
+class TableConfig:
+    """The table: a box whose top face is centred on Wo."""
+
+    length: float = _number(0.40, 0.1, 5.0)
+    """Extent along Wx."""
+    width: float = _number(0.50, 0.1, 5.0)
+    """Extent along Wy."""
+    height: float = _number(0.40, 0.05, 2.0)
+    """Distance from the floor to the table top."""
+    friction: float = _number(0.4, 0.0, 3.0)
+    """Coulomb coefficient."""
+    reachable: float = _number(0.8, 0.1, 1.0)
+    """Share of each half-extent in which objects and goals are placed."""
+
+
+@dataclass(kw_only=True)
+class RobotConfig:
+    """The Panda arm."""
+
+    base_position: list[float] = _vector([-0.5, 0.0, 0.0], -2.0, 2.0)
+    """p_WBo_W."""
+    gripper_friction: float = _number(1.0, 0.0, 3.0)
+    """Coulomb coefficient of palm, fingers, wrist and forearm."""
+    stiffness: float = _number(200.0, 1.0, 5000.0)
+    """k_p of every joint, Nm/rad."""
+    damping_ratio: float = _number(1.0, 0.0, 10.0)
+    """rho; k_d = rho sqrt(k_p)."""
+    joint_damping: list[float] = _vector([2.12, 2.3, 1.29, 2.8, 0.291, 0.3, 0.46], 0.0, 100.0)
+    """Viscous damping, Nms/rad."""
+    reflected_inertia: list[float] = _vector(
+        [0.61, 0.61, 0.46, 0.46, 0.21, 0.21, 0.21], 0.0, 10.0
+    )
+    """Rotor inertia seen at the joint, kg m^2."""
+    start_lower: list[float] = _vector(
+        [-0.3, -0.4636, -0.2, -2.7432, -0.3335, 1.5269, -math.pi / 2], -math.pi, math.pi
+    )
+    """Lower corner of the box of start positions, rad."""
+    start_upper: list[float] = _vector(
+        [0.3, 0.5432, 0.2, -1.5237, 0.3335, 2.5744, math.pi / 2], -math.pi, math.pi
+    )
+    """Upper corner of the box of start positions, rad."""
+    start_deviation: float = _number(0.03, 0.0, 1.0)
+    """Standard deviation added to every start position, rad."""
+    start_tool_height: float = _number(0.05, 0.0, 1.0)
+    """Least height of the tool above the table at the start."""
+    start_object_distance: float = _number(0.12, 0.0, 1.0)
+    """Least distance of the tool from Oo at the start."""
+
+
+@dataclass(kw_only=True)
+class EpisodeConfig:
+    """How an episode begins, what counts as success and when it ends."""
+
+    policy_period: float = _number(0.1, 0.01, 1.0)
+    """Time of one policy step."""
+    max_steps: int = field(default=300, metadata={"range": (1, 100_000)})
+    """Policy steps after which the episode has timed out."""
+    goal: list[float] | None = None
+    """Goal xy in W; drawn at random when null."""
+    goal_min_distance: float = _number(0.1, 0.0, 2.0)
+    """Least distance of the goal from the object's start, xy."""
+    goal_radius: float = _number(0.05, 0.001, 1.0)
+    """Success radius about the goal, xy."""
+    max_tilt_deg: float = _number(15.0, 0.1, 180.0)
+    """Upright means tilted by less than this."""
+    max_height_change: float = _number(0.02, 0.0001, 1.0)
+    """Upright means that COM and reference points moved up or down by less than this."""
+    settle_time: float = _number(1.0, 0.0, 10.0)
+    """Time from the tool's stop to the test of `settled_success`."""
+
+
+@dataclass(kw_only=True)
+class NoiseConfig:
+    """Noise of sensors and actuators."""
+
+    cloud_points: int = field(default=512, metadata={"range": (16, 16_384)})
+    """Points of the cloud."""
+    cloud_deviation: float = _number(0.005, 0.0, 0.1)
+    """Standard deviation of every coordinate of the cloud."""
+    torque_deviation: float = _number(0.03, 0.0, 10.0)
+    """Standard deviation of every joint's torque, Nm, redrawn each policy step."""
+
+
+@dataclass(kw_only=True)
+class SimulationConfig:
+    """The integrator and the contact model."""
+
+    integrator: str = _choice("cenic", INTEGRATORS)
+    """Error-controlled CENIC, or the discrete `lagged` model as the reference."""
+    accuracy: float = _number(1e-2, 1e-8, 1.0)
+    """CENIC's accuracy."""
+    max_step: float = _number(0.1, 1e-5, 0.1)
+    """CENIC's longest step."""
+    discrete_period: float = _number(1e-3, 1e-5, 0.02)
+    """Time step of the discrete model."""
+    hydroelastic_modulus: float = _number(1e6, 1e3, 1e10)
+    """Of table and gripper, Pa."""
+    dissipation: float = _number(50.0, 0.0, 1e4)
+    """Hunt-Crossley dissipation, s/m."""
+    arm_collision: bool = True
+    """Whether wrist and forearm can touch table and object."""
+
+
+@dataclass(kw_only=True)
+class ControlConfig:
+    """Tool action and differential inverse kinematics."""
+
+    max_translation: float = _number(0.06, 0.001, 1.0)
+    """Clip of the action's translation per axis and policy step."""
+    max_rotation: float = _number(0.1, 0.001, 3.0)
+    """Clip of the action's axis-angle per axis and policy step, rad."""
+    damping: float = _number(0.01, 1e-6, 1.0)
+    """lambda^2 of the damped least squares."""
+
+
+@dataclass(kw_only=True)
+class PlannerConfig:
+    """The stages that take the tool behind the contact and push."""
+
+    pitch_deg: float = _number(60.0, 10.0, 90.0)
+    """Angle of the tool's axis below the table plane."""
+    tool_height: float = _number(0.015, 0.0, 0.2)
+    """Height of the tool tip while it pushes."""
+    approach_height: float = _number(0.15, 0.02, 0.5)
+    """Height of the tool tip on its way to the point above-behind."""
+    approach_margin: float = _number(0.04, 0.0, 0.2)
+    """Distance behind the contact at which the tool comes down."""
+    push_speed: float = _number(0.065, 0.001, 0.6)
+    """Speed of the tool while it pushes, m/s."""
+    free_speed: float = _number(0.30, 0.01, 1.0)
+    """Speed of the tool in free motion, m/s."""
+    turn_rate: float = _number(0.6, 0.01, 3.0)
+    """Angular speed of the tool, rad/s."""
+    lateral_gain: float = _number(1.0, 0.0, 5.0)
+    """Share of the lateral error that one centimetre of pushing takes away."""
+    reapproach_error: float = _number(0.015, 0.001, 0.2)
+    """Lateral error beyond which the tool lets go and comes again."""
+    reset_period: int = field(default=0, metadata={"range": (0, 100_000)})
+    """Policy steps between two resets of the expert (0: never); the thesis has 20."""
+    reset_retreat: float = _number(0.05, 0.0, 0.3)
+    """How far behind the contact the expert's reset retreats."""
+    reset_deviation: float = _number(0.05, 0.0, 0.3)
+    """Half-width of the uniform noise on the retreat, in x and in y."""
+
+
+@dataclass(kw_only=True)
+class PredictorConfig:
+    """The learned keypoint."""
+
+    weights: str = "keypoint"
+    """Name of shipped weights, or path of a `.safetensors` file."""
+    use_com: bool = False
+    """Whether the network is given the true centre of mass."""
+
+
+@dataclass(kw_only=True)
+class Scenario:
+    """Everything that decides what an episode does."""
+
+    seed: int = field(default=0, metadata={"range": (0, 2**62)})
+    """Root of every random draw."""
+    policy: str = _choice("keypoint", POLICIES)
+    """Who drives the tool."""
+    object: ObjectConfig = field(default_factory=ObjectConfig)
+    table: TableConfig = field(default_factory=TableConfig)
+    robot: RobotConfig = field(default_factory=RobotConfig)
+    episode: EpisodeConfig = field(default_factory=EpisodeConfig)
+    noise: NoiseConfig = field(default_factory=NoiseConfig)
+    simulation: SimulationConfig = field(default_factory=SimulationConfig)
+    control: ControlConfig = field(default_factory=ControlConfig)
+    planner: PlannerConfig = field(default_factory=PlannerConfig)
+    predictor: PredictorConfig = field(default_factory=PredictorConfig)
+
+    def validate(self) -> None:
+        """Checks every field's range.
+
+        Raises:
+            UserError: names the field, what it holds and what is allowed.
+        """
+        _validate(self, "")
+        goal = self.episode.goal
+        if goal is not None:
+            _check_goal(goal, self.table)
+
+
+def load_scenario(path: Path | str, defaults: Scenario | None = None) -> Scenario:
+    """Reads a scenario; fields that the file leaves out keep their defaults.
+
+    Raises:
+        UserError: the file cannot be read, is no YAML, has an unknown field or a value
+            that is out of range.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"scenario {path}: cannot be read: {_one_line(error)}") from error
+    return parse_scenario(text, source=str(path), defaults=defaults)
+
+
+def parse_scenario(
+    text: str, *, source: str = "scenario", defaults: Scenario | None = None
+) -> Scenario:
+    """Parses a scenario's YAML text; see `load_scenario`."""
+    try:
+        if not isinstance(yaml.safe_load(text) or {}, dict):
+            raise UserError(f"{source}: expected a mapping of fields at the top")
+        scenario = yaml_load_typed(
+            schema=Scenario,
+            data=text or "{}",
+            defaults=defaults or Scenario(),
+        )
+    except UserError:
+        raise
+    except Exception as error:  # yaml_load_typed raises many types: TypeError, ValueError, ...
+        raise UserError(f"{source}: {_one_line(error)}") from error
+    try:
+        scenario.validate()
+    except UserError as error:
+        raise UserError(f"{source}: {error}") from error
+    return scenario
+
+
+def dump_scenario(scenario: Scenario) -> str:
+    """Returns the whole scenario as YAML, every field written out."""
+    return yaml_dump_typed(scenario, schema=Scenario)
+
+
+def _one_line(error: BaseException) -> str:
+    return " ".join(str(error).split())
+
+
+def _check_goal(goal: list[float], table: TableConfig) -> None:
+    half = (table.reachable * table.length / 2, table.reachable * table.width / 2)
+    ok = len(goal) == 2 and all(
+        math.isfinite(g) and abs(g) <= h + 1e-9 for g, h in zip(goal, half, strict=True)
+    )
+    if not ok:
+        raise UserError(
+            f"episode.goal is {goal}; allowed: two numbers, |x| <= {half[0]:g} m and "
+            f"|y| <= {half[1]:g} m (the reachable part of the table)"
+        )
+
+
+def _validate(config: Any, prefix: str) -> None:
+    for spec in dataclasses.fields(config):
+        value = getattr(config, spec.name)
+        name = f"{prefix}{spec.name}"
+        if dataclasses.is_dataclass(value):
+            _validate(value, f"{name}.")
+        elif "range" in spec.metadata:
+            _check_range(name, value, spec.metadata)
+        elif "allowed" in spec.metadata and value not in spec.metadata["allowed"]:
+            allowed = ", ".join(spec.metadata["allowed"])
+            raise UserError(f"{name} is {value!r}; allowed: {allowed}")
+
+
+def _check_range(name: str, value: Any, metadata: Any) -> None:
+    low, high = metadata["range"]
+    length = metadata.get("length")
+    if length is not None and len(value) != length:
+        raise UserError(f"{name} has {len(value)} entries; allowed: {length}")
+    for number in value if length is not None else [value]:
+        if not (math.isfinite(number) and low <= number <= high):
+            raise UserError(f"{name} is {number:g}; allowed: {low:g} to {high:g}")
