@@ -81,9 +81,7 @@ class RobotConfig:
     """rho; k_d = rho sqrt(k_p)."""
     joint_damping: list[float] = _vector([2.12, 2.3, 1.29, 2.8, 0.291, 0.3, 0.46], 0.0, 100.0)
     """Viscous damping, Nms/rad."""
-    reflected_inertia: list[float] = _vector(
-        [0.61, 0.61, 0.46, 0.46, 0.21, 0.21, 0.21], 0.0, 10.0
-    )
+    reflected_inertia: list[float] = _vector([0.61, 0.61, 0.46, 0.46, 0.21, 0.21, 0.21], 0.0, 10.0)
     """Rotor inertia seen at the joint, kg m^2."""
     start_lower: list[float] = _vector(
         [-0.3, -0.4636, -0.2, -2.7432, -0.3335, 1.5269, -math.pi / 2], -math.pi, math.pi
@@ -259,7 +257,7 @@ def parse_scenario(
     try:
         if not isinstance(yaml.safe_load(text) or {}, dict):
             raise UserError(f"{source}: expected a mapping of fields at the top")
-        scenario = yaml_load_typed(
+        scenario: Scenario = yaml_load_typed(
             schema=Scenario,
             data=text or "{}",
             defaults=defaults or Scenario(),
@@ -277,7 +275,8 @@ def parse_scenario(
 
 def dump_scenario(scenario: Scenario) -> str:
     """Returns the whole scenario as YAML, every field written out."""
-    return yaml_dump_typed(scenario, schema=Scenario)
+    text: str = yaml_dump_typed(scenario, schema=Scenario)
+    return text
 
 
 def _one_line(error: BaseException) -> str:
