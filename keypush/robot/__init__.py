@@ -1,0 +1,1 @@
+"""The Panda: its model, and how it is added to a plant."""
