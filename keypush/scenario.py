@@ -201,15 +201,13 @@ class PredictorConfig:
 
     weights: str = "keypoint"
     """Name of shipped weights, or path of a `.safetensors` file."""
-    use_com: bool = False
-    """Whether the network is given the true centre of mass."""
 
 
 @dataclass(kw_only=True)
 class Scenario:
     """Everything that decides what an episode does."""
 
-    seed: int = field(default=0, metadata={"range": (0, 2**62)})
+    seed: int = field(default=0, metadata={"range": (0, 2**53)})
     """Root of every random draw."""
     policy: str = _choice("keypoint", POLICIES)
     """Who drives the tool."""

@@ -1,0 +1,142 @@
+"""MakePushDiagram: the station, the policy that drives it, the monitor and the logger."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
+from pydrake.systems.framework import Diagram, DiagramBuilder, System
+from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput, VectorLogSink
+
+from diagrams.station import MakePushStation, PushStation
+from keypush.objects.catalogue import make_object
+from keypush.scenario import Scenario
+from keypush.seeding import make_generator
+from keypush.systems.episode_logger import EpisodeLogger
+from keypush.systems.episode_monitor import EpisodeMonitor
+from keypush.systems.expert_planner import ExpertPlanner
+from keypush.systems.keypoint_predictor import KeypointPredictor
+from keypush.systems.push_planner import PushPlanner
+
+if TYPE_CHECKING:  # the expert runs without torch, which takes seconds to import
+    from keypush.learning.predict import KeypointModel
+
+_EXPERT_POINTS = 2000
+"""Surface points that stand for the object"s geometry in the expert."""
+
+
+@dataclass(frozen=True)
+class PushDiagram:
+    """A whole episode"s diagram; one per object, reset between episodes."""
+
+    diagram: Diagram
+    station: PushStation
+    goal: ConstantVectorSource
+    planner: ExpertPlanner | PushPlanner
+    monitor: EpisodeMonitor
+    log: VectorLogSink
+    predictor: KeypointPredictor | None
+    visualizer: MeshcatVisualizer | None
+
+
+def MakePushDiagram(
+    scenario: Scenario, keypoint_model: "KeypointModel | None" = None, meshcat: Meshcat | None = None
+) -> PushDiagram:
+    """Wires station, policy, monitor and logger.
+
+    Args:
+        scenario: all constants; `scenario.policy` says who drives.
+        keypoint_model: predicts the keypoint; needed unless the policy is "expert".
+        meshcat: where to show the scene; the robot then has its visual meshes. It is
+            drawn once per policy step, so that watching does not change the simulation.
+    """
+    model = make_object(scenario.object.name, scenario.object.size_ratio, scenario.object.mass)
+    builder = DiagramBuilder()
+    station = MakePushStation(scenario, model, visuals=meshcat is not None)
+    builder.AddSystem(station.diagram)
+    goal = builder.AddSystem(ConstantVectorSource([0.0, 0.0]))
+    goal.set_name("goal")
+    monitor = builder.AddSystem(EpisodeMonitor(model.reference_points, scenario.episode))
+    planner: ExpertPlanner | PushPlanner
+    predictor = None
+    if scenario.policy == "expert":
+        planner = _add_expert(builder, station, goal, scenario)
+    else:
+        assert keypoint_model is not None, "a keypoint policy needs a keypoint model"
+        predictor, planner = _add_keypoint_policy(builder, station, goal, scenario, keypoint_model)
+    _connect(builder, station.diagram, planner, ["tool_pose"])
+    _connect(builder, station.diagram, monitor, ["object_pose", "object_com", "tool_pose"])
+    builder.Connect(goal.get_output_port(), monitor.GetInputPort("goal"))
+    builder.Connect(monitor.GetOutputPort("halted"), planner.GetInputPort("halted"))
+    builder.Connect(
+        planner.GetOutputPort("tool_action"), station.diagram.GetInputPort("tool_action")
+    )
+    log = _add_logger(builder, station, goal, planner, scenario.episode.policy_period)
+    visualizer = None
+    if meshcat is not None:
+        visualizer = MeshcatVisualizer.AddToBuilder(
+            builder,
+            station.diagram.GetOutputPort("query_object"),
+            meshcat,
+            MeshcatVisualizerParams(publish_period=scenario.episode.policy_period),
+        )
+    diagram = builder.Build()
+    diagram.set_name("push")
+    return PushDiagram(diagram, station, goal, planner, monitor, log, predictor, visualizer)
+
+
+def _connect(builder: DiagramBuilder, source: System, sink: System, names: list[str]) -> None:
+    """Connects ports that have the same name on both sides."""
+    for name in names:
+        builder.Connect(source.GetOutputPort(name), sink.GetInputPort(name))
+
+
+def _add_expert(
+    builder: DiagramBuilder, station: PushStation, goal: ConstantVectorSource, scenario: Scenario
+) -> ExpertPlanner:
+    points = station.model.surface_points(_EXPERT_POINTS, make_generator(0, 0, "expert_points"))
+    planner = builder.AddSystem(
+        ExpertPlanner(points, scenario.planner, scenario.control, scenario.episode.policy_period)
+    )
+    _connect(builder, station.diagram, planner, ["object_pose", "object_com"])
+    builder.Connect(goal.get_output_port(), planner.GetInputPort("goal"))
+    return planner
+
+
+def _add_keypoint_policy(
+    builder: DiagramBuilder,
+    station: PushStation,
+    goal: ConstantVectorSource,
+    scenario: Scenario,
+    model: "KeypointModel",
+) -> tuple[KeypointPredictor, PushPlanner]:
+    period = scenario.episode.policy_period
+    predictor = builder.AddSystem(KeypointPredictor(model, scenario.noise.cloud_points, period))
+    planner = builder.AddSystem(PushPlanner(scenario.planner, scenario.control, period))
+    _connect(builder, station.diagram, predictor, ["point_cloud", "tool_pose"])
+    if model.uses_com:
+        _connect(builder, station.diagram, predictor, ["object_com"])
+    builder.Connect(goal.get_output_port(), predictor.GetInputPort("goal"))
+    builder.Connect(goal.get_output_port(), planner.GetInputPort("goal"))
+    _connect(builder, predictor, planner, ["keypoint"])
+    return predictor, planner
+
+
+def _add_logger(
+    builder: DiagramBuilder,
+    station: PushStation,
+    goal: ConstantVectorSource,
+    planner: ExpertPlanner | PushPlanner,
+    period: float,
+) -> VectorLogSink:
+    logger = builder.AddSystem(EpisodeLogger())
+    _connect(
+        builder,
+        station.diagram,
+        logger,
+        ["object_pose", "object_com", "tool_pose", "arm_state", "contact"],
+    )
+    _connect(builder, planner, logger, ["stage", "tool_action", "contact_target"])
+    builder.Connect(goal.get_output_port(), logger.GetInputPort("goal"))
+    log = LogVectorOutput(logger.GetOutputPort("row"), builder, publish_period=period)
+    log.set_name("episode_log")
+    return log

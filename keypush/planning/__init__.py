@@ -1,0 +1,1 @@
+"""Geometry and stage logic of a push; pure functions, no Drake systems."""

@@ -1,0 +1,37 @@
+"""Where to touch an object so that the push goes through its centre of mass."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypush.planning.push_frame import left_of
+
+Array = NDArray[np.float64]
+
+
+def analytic_contact(
+    p_WP: Array, p_WOcm: Array, d_W: Array, half_width: float, band: tuple[float, float]
+) -> Array:
+    """Returns the contact point p_WK = c - r d, (3,), on the far side from the goal.
+
+    r is the object's own extent along -d within the finger's width and height, instead of
+    the thesis' bounding radius, which over-estimates most shapes (and its sign is a slip:
+    the contact lies behind the object).
+
+    Args:
+        p_WP: (N, 3) points on the object's surface in W, m.
+        p_WOcm: (3,) centre of mass in W.
+        d_W: (3,) horizontal unit vector towards the goal.
+        half_width: half the width across the push in which points count, m.
+        band: lowest and highest z in W in which points count, m.
+    """
+    offset = p_WP[:, :2] - p_WOcm[:2]
+    near = np.abs(offset @ left_of(d_W)[:2]) <= half_width
+    low = (p_WP[:, 2] >= band[0]) & (p_WP[:, 2] <= band[1])
+    depth = -(offset @ d_W[:2])
+    for mask in (near & low, near, np.ones_like(near)):
+        if mask.any():
+            break
+    r = max(float(depth[mask].max()), 0.0)
+    contact = p_WOcm - r * d_W
+    contact[2] = min(max(band[0], 0.0), band[1])
+    return np.asarray(contact)

@@ -1,0 +1,99 @@
+"""How an episode starts: object pose, goal and arm, drawn at random."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.multibody.plant import MultibodyPlant
+
+from keypush.errors import UserError
+from keypush.objects.model import ObjectModel
+from keypush.robot.panda import Panda, make_arm_plant
+from keypush.scenario import Scenario, TableConfig
+from keypush.seeding import make_generator
+
+Array = NDArray[np.float64]
+_TRIES = 10_000
+
+
+@dataclass(frozen=True)
+class EpisodeStart:
+    """Where everything is at time 0; the arm is at rest."""
+
+    X_WO: RigidTransform
+    goal: Array
+    """(2,) goal xy in W, m."""
+    q: Array
+    """(7,) arm joint positions, rad."""
+
+
+class StartSampler:
+    """Draws starts; the same (seed, episode) gives the same start."""
+
+    def __init__(self, scenario: Scenario, model: ObjectModel) -> None:
+        self._scenario = scenario
+        self._model = model
+        self._arm: MultibodyPlant
+        self._panda: Panda
+        self._arm, self._panda = make_arm_plant(scenario.robot)
+        self._context = self._arm.CreateDefaultContext()
+
+    def sample(self, episode: int) -> EpisodeStart:
+        """Draws the start of one episode.
+
+        Raises:
+            UserError: no start keeps the scenario's distances.
+        """
+        seed = self._scenario.seed
+        X_WO, goal = self._object_and_goal(make_generator(seed, episode, "object_and_goal"))
+        q = self._arm_positions(make_generator(seed, episode, "arm"), X_WO.translation())
+        return EpisodeStart(X_WO, goal, q)
+
+    def _object_and_goal(self, rng: np.random.Generator) -> tuple[RigidTransform, Array]:
+        table, config = self._scenario.table, self._scenario.episode
+        half = reachable_half_extents(table)
+        for _ in range(_TRIES):
+            xy = rng.uniform(-half, half)
+            yaw = RollPitchYaw(0.0, 0.0, rng.uniform(-np.pi, np.pi))
+            X_WO = RigidTransform(yaw, [*xy, self._model.rest_height])
+            goal = rng.uniform(-half, half) if config.goal is None else np.array(config.goal)
+            far = np.hypot(*(goal - xy)) >= config.goal_min_distance
+            if far and self._on_table(X_WO, table):
+                return X_WO, goal
+        raise UserError(
+            f"episode.goal_min_distance is {config.goal_min_distance:g} with goal {config.goal}; "
+            f"no place of {self._model.name!r} on the table is that far from a goal"
+        )
+
+    def _on_table(self, X_WO: RigidTransform, table: TableConfig) -> bool:
+        vertices = X_WO @ self._model.vertices.T
+        half = np.array([table.length, table.width]) / 2
+        return bool(np.all(np.abs(vertices[:2]) <= half[:, np.newaxis]))
+
+    def _arm_positions(self, rng: np.random.Generator, p_WO: Array) -> Array:
+        robot = self._scenario.robot
+        lower, upper = np.array(robot.start_lower), np.array(robot.start_upper)
+        limits = self._arm.GetPositionLowerLimits(), self._arm.GetPositionUpperLimits()
+        for _ in range(_TRIES):
+            q = rng.uniform(lower, upper) + rng.normal(scale=robot.start_deviation, size=len(lower))
+            q = np.clip(q, *limits)
+            p_WE = self._tool_position(q)
+            high = p_WE[2] >= robot.start_tool_height
+            if high and np.linalg.norm(p_WE - p_WO) >= robot.start_object_distance:
+                return np.asarray(q)
+        raise UserError(
+            "robot.start_lower and start_upper: no start position in that box keeps the tool "
+            f"{robot.start_tool_height:g} m above the table and "
+            f"{robot.start_object_distance:g} m from the object"
+        )
+
+    def _tool_position(self, q: Array) -> Array:
+        self._arm.SetPositions(self._context, q)
+        X_WE = self._panda.tool_frame.CalcPoseInWorld(self._context)
+        return np.asarray(X_WE.translation())
+
+
+def reachable_half_extents(table: TableConfig) -> Array:
+    """Returns the half-extents (2,) of the part of the table where things are placed, m."""
+    return np.array([table.length, table.width]) * table.reachable / 2

@@ -1,0 +1,1 @@
+"""Drake systems; one file each. Nothing here knows how they are wired."""

@@ -1,0 +1,100 @@
+"""DifferentialIkController: a residual tool action becomes a joint position target."""
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import Frame, JacobianWrtVariable
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    DiscreteValues,
+    EventStatus,
+    LeafSystem,
+)
+
+from keypush.control.differential_ik import JointLimits, solve_differential_ik
+from keypush.eval_ports import eval_vector
+from keypush.scenario import ControlConfig
+
+
+class DifferentialIkController(LeafSystem):
+    """Turns a residual tool action into a joint target, once per policy step.
+
+    @system
+    name: DifferentialIkController
+    input_ports:
+    - tool_action
+    - arm_state
+    output_ports:
+    - arm_desired_state
+    @endsystem
+
+    ``tool_action``: vector of 6, residual of the tool pose in W: translation of Eo in m,
+    then axis-angle in rad, applied before (to the left of) R_WE. Clipped per axis.
+
+    ``arm_state``: vector of 14, measured joint positions (rad) and velocities (rad/s).
+
+    ``arm_desired_state``: vector of 14, joint position targets (rad) and zero velocities,
+    for the plant's `desired_state` port, whose implicit PD gains are the impedance. Held
+    for one policy step.
+
+    The joint step minimises |J dq - a|^2 + damping |dq|^2 within joint position and
+    velocity limits (see `keypush.control.differential_ik`). At initialisation the target is
+    the measured position.
+    """
+
+    def __init__(
+        self, arm: MultibodyPlant, tool_frame: Frame, config: ControlConfig, policy_period: float
+    ) -> None:
+        """Args: a plant with the arm alone, its frame E, clips and damping, period in s."""
+        super().__init__()
+        self.set_name("differential_ik_controller")
+        self._arm = arm
+        self._tool = tool_frame
+        self._config = config
+        self._period = policy_period
+        self._limits = JointLimits(
+            arm.GetPositionLowerLimits(),
+            arm.GetPositionUpperLimits(),
+            arm.GetVelocityUpperLimits(),
+        )
+        # Scratch space for kinematics: every use sets the positions first.
+        self._scratch = arm.CreateDefaultContext()
+        self._clip = np.repeat([config.max_translation, config.max_rotation], 3)
+        n = arm.num_positions()
+        self._action = self.DeclareVectorInputPort("tool_action", 6)
+        self._state = self.DeclareVectorInputPort("arm_state", 2 * n)
+        target = self.DeclareDiscreteState(n)
+        self.DeclareVectorOutputPort(
+            "arm_desired_state",
+            2 * n,
+            self._calc_desired_state,
+            prerequisites_of_calc={self.discrete_state_ticket(target)},
+        )
+        self.DeclareInitializationDiscreteUpdateEvent(self._hold)
+        self.DeclarePeriodicDiscreteUpdateEvent(policy_period, 0.0, self._update)
+
+    def _hold(self, context: Context, state: DiscreteValues) -> EventStatus:
+        state.set_value(0, eval_vector(self._state, context)[: self._arm.num_positions()])
+        return EventStatus.Succeeded()
+
+    def _update(self, context: Context, state: DiscreteValues) -> EventStatus:
+        q = eval_vector(self._state, context)[: self._arm.num_positions()]
+        action = np.clip(eval_vector(self._action, context), -self._clip, self._clip)
+        lower, upper = self._limits.step_bounds(q, self._period)
+        dq = solve_differential_ik(self._jacobian(q), action, self._config.damping, lower, upper)
+        state.set_value(0, q + dq)
+        return EventStatus.Succeeded()
+
+    def _jacobian(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Returns the tool's Jacobian (6, n) in W, translation first."""
+        self._arm.SetPositions(self._scratch, q)
+        world = self._arm.world_frame()
+        J = self._arm.CalcJacobianSpatialVelocity(
+            self._scratch, JacobianWrtVariable.kQDot, self._tool, np.zeros(3), world, world
+        )
+        return np.vstack([J[3:], J[:3]])
+
+    def _calc_desired_state(self, context: Context, output: BasicVector) -> None:
+        target = context.get_discrete_state(0).value()
+        output.SetFromVector(np.concatenate([target, np.zeros_like(target)]))

@@ -1,0 +1,55 @@
+"""PushPlanner: a keypoint and a goal become residual tool actions."""
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.systems.framework import Context
+
+from keypush.eval_ports import eval_vector
+from keypush.planning.push_frame import push_direction
+from keypush.scenario import ControlConfig, PlannerConfig
+from keypush.systems.staged_planner import StagedPlanner
+
+
+class PushPlanner(StagedPlanner):
+    """Pushes at a keypoint towards the goal: d = (g - k)/|g - k| (thesis, equation 4.2).
+
+    @system
+    name: PushPlanner
+    input_ports:
+    - keypoint
+    - goal
+    - tool_pose
+    - halted
+    output_ports:
+    - tool_action
+    - stage
+    - contact_target
+    @endsystem
+
+    ``keypoint``: vector of 3, p_WK in m: where to touch the object.
+
+    ``goal``: vector of 2, goal xy in W in m.
+
+    ``tool_pose``: abstract `RigidTransform`, X_WE in m.
+
+    ``halted``: vector of 1; above 0.5 the tool stops at its reference.
+
+    ``tool_action``: vector of 6, residual of the tool pose in W: translation in m, then
+    axis-angle in rad; held for one policy step.
+
+    ``stage``: vector of 1, the `Stage` as a number; held likewise.
+
+    ``contact_target``: vector of 3, the contact in W in m that the action aims at; held.
+    """
+
+    def __init__(self, config: PlannerConfig, control: ControlConfig, policy_period: float) -> None:
+        """Args: stage constants, clips of the action, period in s."""
+        super().__init__(config, control, policy_period)
+        self.set_name("push_planner")
+        self._keypoint = self.DeclareVectorInputPort("keypoint", 3)
+        self._goal = self.DeclareVectorInputPort("goal", 2)
+        self._declare_shared_ports()
+
+    def _aim(self, context: Context) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        p_WK = eval_vector(self._keypoint, context)
+        return p_WK, push_direction(p_WK, eval_vector(self._goal, context))

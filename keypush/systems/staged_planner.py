@@ -1,0 +1,87 @@
+"""What the two planners share: stages, state, tool input, outputs."""
+
+from abc import abstractmethod
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.common.value import Value
+from pydrake.math import RigidTransform
+from pydrake.systems.framework import BasicVector, Context, EventStatus, LeafSystem, State
+
+from keypush.eval_ports import eval_abstract, eval_vector
+from keypush.planning.stages import PlanState, PushObservation, PushStages, Stage
+from keypush.scenario import ControlConfig, PlannerConfig
+
+_PLAN = slice(0, PlanState.SIZE)
+_ACTION = slice(PlanState.SIZE, PlanState.SIZE + 6)
+_TARGET = slice(_ACTION.stop, _ACTION.stop + 3)
+
+
+class StagedPlanner(LeafSystem):
+    """Base of the planners: runs `PushStages` once per policy step.
+
+    It updates in unrestricted events, which Drake handles before discrete ones: so the
+    controller, whose event is discrete, acts in the same policy step on the new action.
+    """
+
+    def __init__(self, config: PlannerConfig, control: ControlConfig, policy_period: float) -> None:
+        """Args: stage constants, clips of the action, period in s."""
+        super().__init__()
+        self._config = config
+        self._stages = PushStages(config, control, policy_period)
+        self._plan = self.DeclareDiscreteState(_TARGET.stop)
+        self.DeclareInitializationUnrestrictedUpdateEvent(self._start)
+        self.DeclarePeriodicUnrestrictedUpdateEvent(policy_period, 0.0, self._update)
+
+    def _declare_shared_ports(self) -> None:
+        """Declares the ports that come after the planner's own inputs."""
+        self._tool_pose = self.DeclareAbstractInputPort("tool_pose", Value(RigidTransform()))
+        self._halted = self.DeclareVectorInputPort("halted", 1)
+        held = {self.discrete_state_ticket(self._plan)}
+        self.DeclareVectorOutputPort("tool_action", 6, self._calc_action, prerequisites_of_calc=held)
+        self.DeclareVectorOutputPort("stage", 1, self._calc_stage, prerequisites_of_calc=held)
+        self.DeclareVectorOutputPort(
+            "contact_target", 3, self._calc_target, prerequisites_of_calc=held
+        )
+
+    @abstractmethod
+    def _aim(self, context: Context) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Returns the contact p_WK (3,) and the push direction d_W (3,)."""
+
+    def _reset_offset(self, context: Context, state: PlanState) -> NDArray[np.float64] | None:
+        """Returns where to retreat to (2,), along d and to its left of K, if now."""
+        return None
+
+    def _tool(self, context: Context) -> RigidTransform:
+        X_WE: RigidTransform = eval_abstract(self._tool_pose, context)
+        return X_WE
+
+    def _start(self, context: Context, state: State) -> EventStatus:
+        values = np.zeros(_TARGET.stop)
+        values[_PLAN] = PlanState.start(self._tool(context)).to_vector()
+        state.get_mutable_discrete_state(self._plan).SetFromVector(values)
+        return EventStatus.Succeeded()
+
+    def _update(self, context: Context, state: State) -> EventStatus:
+        plan = PlanState.from_vector(context.get_discrete_state(self._plan).value()[_PLAN])
+        X_WE = self._tool(context)
+        p_WK, d_W = self._aim(context)
+        halted = bool(eval_vector(self._halted, context)[0] > 0.5)
+        seen = PushObservation(X_WE, p_WK, d_W, halted, self._reset_offset(context, plan))
+        plan = self._stages.advance(plan, seen)
+        state.get_mutable_discrete_state(self._plan).SetFromVector(
+            np.concatenate([plan.to_vector(), self._stages.action(plan, X_WE), p_WK])
+        )
+        return EventStatus.Succeeded()
+
+    def _calc_action(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(context.get_discrete_state(self._plan).value()[_ACTION])
+
+    def _calc_stage(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(context.get_discrete_state(self._plan).value()[:1])
+
+    def _calc_target(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(context.get_discrete_state(self._plan).value()[_TARGET])
+
+
+__all__ = ["Stage", "StagedPlanner"]
