@@ -1,0 +1,1 @@
+"""The learned keypoint: frames, network, data, training and prediction."""

@@ -1,0 +1,29 @@
+"""Scenes and untrained networks that the learning tests share."""
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from keypush.learning.network import KeypointNetwork, NetworkConfig
+
+SMALL = NetworkConfig(patches=4, patch_size=8, width=16, patch_width=16, heads=2, query_heads=2)
+
+
+def make_network(config: NetworkConfig = SMALL, seed: int = 0) -> KeypointNetwork:
+    """An untrained network whose weights follow from the seed."""
+    with torch.random.fork_rng():
+        torch.manual_seed(seed)
+        return KeypointNetwork(config).eval()
+
+
+def make_cloud(rng: np.random.Generator, count: int = 128) -> NDArray[np.float64]:
+    """Points on an ellipsoid that lies somewhere on the table, (count, 3)."""
+    points = rng.normal(size=(count, 3))
+    points *= [0.05, 0.03, 0.04] / np.linalg.norm(points, axis=1, keepdims=True)
+    return np.asarray(points + np.array([*rng.uniform(-0.1, 0.1, 2), 0.04]))
+
+
+def make_hand(rng: np.random.Generator) -> NDArray[np.float64]:
+    """A hand state (9,) whose six rotation entries are two orthonormal columns."""
+    q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    return np.concatenate([rng.uniform(-0.2, 0.2, 3), q[:, :2].T.ravel()])
