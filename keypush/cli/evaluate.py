@@ -1,0 +1,59 @@
+"""`keypush evaluate`: success rates with their intervals."""
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from keypush.cli.options import Policy, ScenarioOptions, resolve_scenario
+from keypush.cli.parallel_options import ParallelOptions, run_episodes
+
+if TYPE_CHECKING:
+    from keypush.evaluation.summary import Summary
+    from keypush.scenario import Scenario
+
+
+@dataclass(kw_only=True)
+class Evaluate(ScenarioOptions, ParallelOptions):
+    """Run seeded episodes per object and report success rates with 95 % intervals.
+
+    Prints a table and writes OUT/summary.json, beside all rows and the scenario.
+    """
+
+    policy: Policy | None = None
+    """Who drives the tool: the learned keypoint, the expert, or the cloud's centroid."""
+    weights: str | None = None
+    """Name of shipped weights, or path of a .safetensors file."""
+    objects: Annotated[str, tyro.conf.arg(metavar="train|unseen|all|NAME,...")] = "unseen"
+    """Objects to push."""
+    episodes: int = 50
+    """Episodes per object."""
+
+    def run(self) -> None:
+        """Runs the verb."""
+        from rich.console import Console
+
+        from keypush.evaluation.summary import summarise
+        from keypush.evaluation.table import summary_table
+
+        scenario = resolve_scenario(self, policy=self.policy, predictor__weights=self.weights)
+        summary = summarise(run_episodes(scenario, self).read_summaries())
+        path = self.out / "summary.json"
+        path.write_text(_report(scenario, summary), encoding="utf-8")
+        Console().print(summary_table(summary, f"{scenario.policy}, seed {scenario.seed}"))
+        print(f"written: {path}")
+
+
+def _report(scenario: "Scenario", summary: "Summary") -> str:
+    import yaml
+
+    from keypush.scenario import dump_scenario
+
+    report = {
+        "policy": scenario.policy,
+        "seed": scenario.seed,
+        **summary,
+        "scenario": yaml.safe_load(dump_scenario(scenario)),
+    }
+    return json.dumps(report, indent=2) + "\n"

@@ -1,0 +1,61 @@
+"""The entry point of the `keypush` command."""
+
+import sys
+from typing import Annotated
+
+import tyro
+from tyro.conf import subcommand
+
+from keypush import __version__
+from keypush.cli.bench import Bench
+from keypush.cli.collect import Collect
+from keypush.cli.demo import Demo
+from keypush.cli.diagram import Diagram
+from keypush.cli.evaluate import Evaluate
+from keypush.cli.train import Train
+from keypush.errors import UserError
+
+Verb = (
+    Annotated[Demo, subcommand("demo")]
+    | Annotated[Collect, subcommand("collect")]
+    | Annotated[Train, subcommand("train")]
+    | Annotated[Evaluate, subcommand("evaluate")]
+    | Annotated[Bench, subcommand("bench")]
+    | Annotated[Diagram, subcommand("diagram")]
+)
+
+_DESCRIPTION = """Push unseen objects through one predicted contact keypoint, in Drake.
+
+A first look: keypush demo. Every verb explains itself: keypush VERB --help.
+keypush --version prints the version."""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs one verb.
+
+    Args:
+        arguments: the command line without the program's name; None: that of the process.
+
+    Returns:
+        The exit status: 0, 2 after a mistake of the user's, 130 after Ctrl-C.
+    """
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if arguments == ["--version"]:
+        print(f"keypush {__version__}")
+        return 0
+    verb = tyro.cli(
+        Verb,
+        prog="keypush",
+        description=_DESCRIPTION,
+        args=arguments or ["--help"],
+        config=(tyro.conf.FlagCreatePairsOff, tyro.conf.DisallowNone),
+    )
+    try:
+        verb.run()
+    except UserError as error:
+        print(f"keypush: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print(f"\nkeypush: stopped; {verb.after_interrupt}", file=sys.stderr)
+        return 130
+    return 0

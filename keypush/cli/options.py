@@ -1,0 +1,69 @@
+"""The options that verbs share, and how they become a checked scenario."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import tyro
+import yaml
+
+from keypush.errors import UserError
+
+if TYPE_CHECKING:
+    from keypush.scenario import Scenario
+
+Policy = Literal["keypoint", "expert", "centroid"]
+
+
+@dataclass(kw_only=True)
+class ScenarioOptions:
+    """What an episode is made of."""
+
+    scenario: Path | None = None
+    """Scenario file (YAML); fields that it leaves out keep their defaults."""
+    set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="FIELD=VALUE")] = ()
+    """Fields of the scenario by their YAML names, such as noise.cloud_deviation=0.01."""
+    seed: int | None = None
+    """Root of every random draw."""
+
+
+def resolve_scenario(options: ScenarioOptions, **fields: object) -> "Scenario":
+    """Merges defaults, the scenario file, `--set` and a verb's own flags, in this order.
+
+    Args:
+        options: the shared options.
+        fields: more fields by their YAML names, with `__` for the dot; None leaves a
+            field as it is.
+
+    Raises:
+        UserError: a file cannot be read, a field is unknown or out of range.
+    """
+    from keypush.scenario import load_scenario, parse_scenario
+
+    scenario = None if options.scenario is None else load_scenario(options.scenario)
+    overrides: dict[str, Any] = {}
+    for text in options.set:
+        name, separator, value = text.partition("=")
+        if not (name and separator):
+            raise UserError(f"--set {text!r}: expected FIELD=VALUE")
+        _put(overrides, name, _parse_value(text, value))
+    for name, field in {"seed": options.seed, **fields}.items():
+        if field is not None:
+            _put(overrides, name.replace("__", "."), field)
+    return parse_scenario(yaml.safe_dump(overrides), source="scenario", defaults=scenario)
+
+
+def _parse_value(text: str, value: str) -> Any:
+    try:
+        return yaml.safe_load(value)
+    except yaml.YAMLError as error:
+        raise UserError(f"--set {text!r}: the value is no YAML") from error
+
+
+def _put(tree: dict[str, Any], dotted: str, value: object) -> None:
+    *path, leaf = dotted.split(".")
+    for name in path:
+        tree = tree.setdefault(name, {})
+        if not isinstance(tree, dict):
+            raise UserError(f"field {dotted}: {name} is given twice, as a value and as a group")
+    tree[leaf] = value

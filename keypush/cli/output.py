@@ -1,0 +1,51 @@
+"""Output folders: made and proved writable before any work is done."""
+
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from keypush.errors import UserError
+
+if TYPE_CHECKING:
+    from keypush.scenario import Scenario
+
+
+def prepare_output_dir(path: Path) -> Path:
+    """Makes a folder, with its parents, and writes a probe into it.
+
+    Permission bits say nothing to root and nothing on read-only file systems, so only a
+    real file proves that the folder can be written.
+
+    Raises:
+        UserError: the folder cannot be made or written.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):
+            pass
+    except OSError as error:
+        raise UserError(
+            f"output folder {path}: cannot be written: {error.strerror or error}; "
+            "allowed: a folder, new or not, that you may write"
+        ) from error
+    return path
+
+
+def write_output(path: Path, text: str) -> None:
+    """Writes a text file, and the folders that lead to it.
+
+    Raises:
+        UserError: the file cannot be written.
+    """
+    prepare_output_dir(path.parent)
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise UserError(f"output file {path}: cannot be written: {error.strerror}") from error
+
+
+def save_scenario(scenario: "Scenario", folder: Path) -> None:
+    """Writes the resolved scenario beside the output that it led to."""
+    from keypush.scenario import dump_scenario
+
+    (folder / "scenario.yaml").write_text(dump_scenario(scenario), encoding="utf-8")

@@ -1,0 +1,47 @@
+"""Arrays and summaries as Parquet files, each written whole or not at all."""
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+TEMPORARY_SUFFIX = ".partial"
+
+Rows = Mapping[str, NDArray[np.generic]]
+
+
+def table_from_rows(episodes: Sequence[Rows]) -> pa.Table:
+    """Joins the rows of episodes into one table.
+
+    Args:
+        episodes: for each episode the columns, all with the same names; a column is an
+            array (n,), or (n, d...) which becomes lists of fixed length.
+    """
+    names = list(episodes[0])
+    return pa.table(
+        {name: _column([np.asarray(rows[name]) for rows in episodes]) for name in names}
+    )
+
+
+def table_from_summaries(summaries: Sequence[Mapping[str, object]]) -> pa.Table:
+    """Makes a table of one row per mapping; columns keep the order of the first."""
+    return pa.Table.from_pylist([dict(summary) for summary in summaries])
+
+
+def write_atomically(table: pa.Table, path: Path) -> None:
+    """Writes a table beside `path` and renames it; the same table gives the same bytes."""
+    partial = path.with_name(f".{path.name}.{os.getpid()}{TEMPORARY_SUFFIX}")
+    pq.write_table(table, partial, compression="zstd")
+    partial.replace(path)
+
+
+def _column(parts: list[NDArray[np.generic]]) -> pa.Array:
+    values = np.concatenate(parts)
+    array = pa.array(values.reshape(-1))
+    for length in reversed(values.shape[1:]):
+        array = pa.FixedSizeListArray.from_arrays(array, length)
+    return array
