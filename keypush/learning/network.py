@@ -18,7 +18,7 @@ POINT_FEATURES = 3 + 6 * len(OCTAVES)
 HAND_SIZE = 9
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(kw_only=True)
 class NetworkConfig:
     """Sizes of the network; stored beside its weights."""
 

@@ -1,0 +1,80 @@
+"""How the keypoint network is trained."""
+
+import dataclasses
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from keypush.errors import UserError
+from keypush.learning.network import NetworkConfig
+
+LABELS = ("measured", "analytic")
+
+
+def _number(default: float, low: float, high: float) -> Any:
+    """A numeric field with its closed range of allowed values."""
+    return field(default=default, metadata={"range": (low, high)})
+
+
+@dataclass(kw_only=True)
+class TrainingConfig:
+    """Everything but the data that decides the trained weights."""
+
+    seed: int = _number(0, 0, 2**62)
+    """Root of every random draw."""
+    label: str = "measured"
+    """"measured": the contact that the push had; "analytic": the point that the expert aimed at."""
+    keep_failures: bool = False
+    """Whether episodes without success are trained on."""
+    validation_share: float = _number(0.1, 0.01, 0.9)
+    """Share of the episodes that is kept for validation."""
+    held_out_objects: list[str] = field(default_factory=list)
+    """Objects that are only validated on."""
+    epochs: int = _number(15, 1, 10_000)
+    """Passes; each draws new noise, new surface points and new augmentation."""
+    rows_per_epoch: int = _number(40_000, 1, 10**9)
+    """Rows drawn per pass: neighbouring rows are much alike, so not all are needed."""
+    batch: int = _number(256, 1, 65_536)
+    """Rows per optimiser step."""
+    learning_rate: float = _number(1e-3, 1e-7, 1.0)
+    """Peak of AdamW's rate: linear warm-up over a twentieth of the steps, then cosine to 0."""
+    weight_decay: float = _number(0.01, 0.0, 10.0)
+    """AdamW's weight decay."""
+    max_gradient: float = _number(1.0, 1e-6, 1e6)
+    """Norm to which gradients are clipped."""
+    augment: bool = True
+    """Whether objects are mirrored, stretched, sheared, bent and tapered."""
+    clouds_per_object: int = _number(64, 1, 100_000)
+    """Clouds drawn per pass for every object and size."""
+    cloud_points: int = _number(512, 16, 16_384)
+    """Points of a cloud."""
+    cloud_deviation: float = _number(0.005, 0.0, 0.1)
+    """Standard deviation of every coordinate of a cloud, m."""
+    network: NetworkConfig = field(default_factory=NetworkConfig)
+    """Sizes and inputs of the network."""
+
+    def validate(self) -> None:
+        """Checks every field's range.
+
+        Raises:
+            UserError: names the field, what it holds and what is allowed.
+        """
+        if self.label not in LABELS:
+            raise UserError(f"label is {self.label!r}; allowed: {', '.join(LABELS)}")
+        for spec in dataclasses.fields(self):
+            if "range" not in spec.metadata:
+                continue
+            value = getattr(self, spec.name)
+            low, high = spec.metadata["range"]
+            if not (math.isfinite(value) and low <= value <= high):
+                raise UserError(f"{spec.name} is {value:g}; allowed: {low:g} to {high:g}")
+        network = self.network
+        for name in ("heads", "query_heads"):
+            if network.width % getattr(network, name):
+                raise UserError(
+                    f"network.{name} is {getattr(network, name)}; allowed: divisors of "
+                    f"network.width, {network.width}"
+                )
+        least = max(network.patches, network.patch_size)
+        if self.cloud_points < least:
+            raise UserError(f"cloud_points is {self.cloud_points}; allowed: at least {least}")

@@ -1,0 +1,52 @@
+"""Which rows are trained on."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+
+from keypush.errors import UserError
+from keypush.learning.config import TrainingConfig
+from keypush.learning.rows import Rows
+from keypush.learning.scenes import SceneTable
+from keypush.seeding import make_generator
+
+
+@dataclass(frozen=True)
+class Split:
+    """Indices of rows that have a label."""
+
+    train: torch.Tensor
+    validation: torch.Tensor
+    """Other episodes of the objects that are trained on."""
+    held_out: torch.Tensor
+    """All episodes of the other objects."""
+
+
+def split_rows(rows: Rows, scenes: SceneTable, config: TrainingConfig) -> Split:
+    """Splits by whole episodes, so that no neighbour of a validation row is trained on.
+
+    Raises:
+        UserError: a held-out object is not in the data, or too few episodes have labels.
+    """
+    names = np.array([name for name, _ in rows.objects])
+    unknown = sorted(set(config.held_out_objects) - set(names.tolist()))
+    if unknown:
+        raise UserError(
+            f"held_out_objects has {', '.join(unknown)}; allowed: {', '.join(sorted(set(names)))}"
+        )
+    labelled = torch.isfinite(scenes.label).all(dim=1).numpy()
+    held_out = np.isin(names, config.held_out_objects)[rows.object_index] & labelled
+    usable = labelled & ~held_out
+    episodes = np.unique(rows.episode[usable])
+    if len(episodes) < 2:
+        raise UserError(
+            f"data: {len(episodes)} episodes have labelled rows to train on; allowed: at least 2"
+        )
+    make_generator(config.seed, 0, "validation_split").shuffle(episodes)
+    count = max(1, round(config.validation_share * len(episodes)))
+    validation = np.isin(rows.episode, episodes[:count]) & usable
+    return Split(*(
+        torch.from_numpy(np.flatnonzero(mask))
+        for mask in (usable & ~validation, validation, held_out)
+    ))  # fmt: skip
