@@ -146,7 +146,11 @@ class SimulationConfig:
     discrete_period: float = _number(1e-3, 1e-5, 0.02)
     """Time step of the discrete model."""
     hydroelastic_modulus: float = _number(1e6, 1e3, 1e10)
-    """Of table and gripper, Pa."""
+    """Of the gripper, Pa."""
+    table_modulus: float = _number(5e8, 1e3, 1e11)
+    """Of the table, Pa; an object on a softer one tips well inside its support polygon."""
+    table_margin: float = _number(1e-4, 0.0, 0.01)
+    """Distance at which contact with the table is foreseen, m; without it long steps hop."""
     dissipation: float = _number(50.0, 0.0, 1e4)
     """Hunt-Crossley dissipation, s/m."""
     arm_collision: bool = True

@@ -4,8 +4,10 @@ import trimesh
 
 from keypush.objects.shapes import add_handle, lathe, prism, straight_wall
 
-SEGMENTS = 20
+SEGMENTS = 24
 """Corners of a round cross section."""
+WIDE_SEGMENTS = 32
+"""The same for wide ones: sides so short that faces at a corner reach to within 1 mm of it."""
 
 
 def box(scale: float) -> trimesh.Trimesh:
@@ -30,7 +32,7 @@ def candle(scale: float) -> trimesh.Trimesh:
 
 def disc(scale: float) -> trimesh.Trimesh:
     """A flat cylinder, 10 parts wide and 1.8 high."""
-    return lathe(straight_wall(0.0492 * scale, 0.0, 0.0177 * scale), SEGMENTS)
+    return lathe(straight_wall(0.0492 * scale, 0.0, 0.0177 * scale), WIDE_SEGMENTS)
 
 
 def bottle(scale: float) -> trimesh.Trimesh:
@@ -48,14 +50,13 @@ def l_block(scale: float) -> trimesh.Trimesh:
 
 def mug(scale: float) -> trimesh.Trimesh:
     """A hollow mug with a handle towards +x."""
-    radius, height, wall = 0.030 * scale, 0.068 * scale, 0.004 * scale
-    rows = [0.0, 0.006 * scale, 0.014 * scale, 0.024 * scale, 0.050 * scale, 0.058 * scale, height]
-    outside = [(radius, z) for z in rows]
-    inside = [(radius - wall, height), (radius - wall, wall)]
+    radius, wall = 0.030 * scale, 0.004 * scale
+    rows = [0.0, 0.014, 0.024, 0.050, 0.058, 0.068]
+    outside = [(radius, z * scale) for z in rows]
+    inside = [(radius - wall, rows[-1] * scale), (radius - wall, wall)]
     mesh = lathe([*outside, *inside], SEGMENTS)
-    # base_rings puts the base's outline, row 0 of the wall, in the loop before the second row.
-    first = len(mesh.vertices) - 2 - SEGMENTS * (len(rows) + len(inside))
-    lower, upper = (_quad(first + SEGMENTS * rows.index(z * scale)) for z in (0.014, 0.050))
+    # One loop, the inside of the rim, comes before row 0.
+    lower, upper = (_quad(SEGMENTS * (1 + rows.index(z))) for z in (0.014, 0.050))
     return add_handle(mesh, lower, upper, 0.022 * scale)
 
 

@@ -12,11 +12,11 @@ from keypush.objects.refine import (
     SIDE_SPACING,
     Array,
     at_height,
-    base_rings,
+    base_loops,
     refine_outline,
 )
 
-PUSHED_HEIGHTS = (0.004, 0.015, 0.03)
+PUSHED_HEIGHTS = (0.015, 0.03)
 """Heights in m above the base between which a finger pushes: rows of faces begin here."""
 
 
@@ -55,7 +55,7 @@ def prism(corners: Sequence[tuple[float, float]], height: float) -> trimesh.Trim
         height: extent along z in m.
     """
     outline = refine_outline(np.array(corners, dtype=float), RIM_WIDTH, SIDE_SPACING)
-    loops = base_rings(outline, 0.0, RIM_WIDTH)
+    loops = base_loops(outline, 0.0, RIM_WIDTH)
     loops += [at_height(outline, z) for z in _rows([0.0, height]) if z > 0]
     return loft(loops)
 
@@ -70,7 +70,7 @@ def lathe(profile: Sequence[tuple[float, float]], segments: int) -> trimesh.Trim
     """
     angle = 2 * np.pi * (np.arange(segments) - 0.5) / segments
     circle = np.column_stack([np.cos(angle), np.sin(angle)])
-    loops = base_rings(profile[0][0] * circle, 0.0, RIM_WIDTH)
+    loops = base_loops(profile[0][0] * circle, 0.0, RIM_WIDTH)
     loops += [at_height(radius * circle, z) for radius, z in profile[1:]]
     return loft(loops)
 

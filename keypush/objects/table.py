@@ -17,7 +17,11 @@ from keypush.scenario import SimulationConfig, TableConfig
 TABLE_BODY = "table"
 """Name of the body and of its model instance."""
 THICKNESS = 0.02
-"""Of the table top in m. Pressure at depth e is modulus * e / (THICKNESS / 2)."""
+"""Of the table top in m. Pressure at depth e is modulus * e / (THICKNESS / 2).
+
+That ratio, 5e10 Pa/m, decides how near to its edge an object tips: on a foundation of stiffness
+k one of weight F, COM height h and straight edge L tips 1.5 (4 F h / (9 k L))^(1/3) inside it.
+"""
 FLOOR = (3.0, 3.0, 0.1)
 """Extents of the floor in m."""
 COLOUR = np.array([0.82, 0.74, 0.62, 1.0])
@@ -51,9 +55,10 @@ def _material(table: TableConfig, simulation: SimulationConfig) -> ProximityProp
     )
     AddCompliantHydroelasticProperties(
         resolution_hint=THICKNESS,  # required, but of no effect on a box
-        hydroelastic_modulus=simulation.hydroelastic_modulus,
+        hydroelastic_modulus=simulation.table_modulus,
         properties=properties,
     )
+    properties.AddProperty("hydroelastic", "margin", simulation.table_margin)
     return properties
 
 
