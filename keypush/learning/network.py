@@ -12,28 +12,12 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from keypush.learning.network_config import NetworkConfig
+
 OCTAVES = (2.0, 4.0, 8.0)
 """Angular frequencies of the Fourier features of a point, rad per unit of length in G."""
 POINT_FEATURES = 3 + 6 * len(OCTAVES)
 HAND_SIZE = 9
-
-
-@dataclass(kw_only=True)
-class NetworkConfig:
-    """Sizes of the network; stored beside its weights."""
-
-    patches: int = 16
-    patch_size: int = 32
-    width: int = 128
-    patch_width: int = 256
-    layers: int = 2
-    heads: int = 4
-    query_heads: int = 8
-    point_width: int = 64
-    use_com: bool = False
-    """Whether the true COM is an input, and the origin of frame G; else the cloud's mean is."""
-    use_hand: bool = True
-    """Whether the hand state is an input."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 
 from keypush.errors import UserError
 
-KEY = ["object", "size_ratio", "seed", "episode"]
+KEY_TYPES = {
+    "object": pa.string(),
+    "size_ratio": pa.float64(),
+    "seed": pa.int64(),
+    "episode": pa.int64(),
+}
+KEY = list(KEY_TYPES)
 WIDTHS = {
     "object_pose": 7,
     "com": 3,
@@ -95,7 +101,10 @@ def _read(folder: Path, columns: list[str]) -> pa.Table:
             missing = set(columns) - set(pq.read_schema(file).names)
             if missing:
                 raise UserError(f"{file}: columns missing: {', '.join(sorted(missing))}")
-            tables.append(pq.read_table(file, columns=columns))
+            table = pq.read_table(file, columns=columns)
+            # Rows and episodes may store their keys with different widths.
+            types = [pa.field(f.name, KEY_TYPES.get(f.name, f.type)) for f in table.schema]
+            tables.append(table.cast(pa.schema(types)))
         except (OSError, pa.ArrowException) as error:
             raise UserError(f"{file}: cannot be read: {' '.join(str(error).split())}") from error
     return pa.concat_tables(tables, promote_options="permissive")

@@ -48,6 +48,14 @@ def test_fixed_size_lists_read_the_same(data_dir: Path) -> None:
     np.testing.assert_array_equal(read_rows(data_dir).goal, expected.goal)
 
 
+def test_keys_may_have_other_widths_in_rows_than_in_episodes(data_dir: Path) -> None:
+    file = data_dir / "rows" / "part-0.parquet"
+    table = pq.read_table(file)
+    column = table["episode"].cast(pa.int32())
+    _edit(file, table.set_column(table.schema.get_field_index("episode"), "episode", column))
+    assert len(read_rows(data_dir)) == 2 * 3 * STEPS
+
+
 def test_failed_episodes_are_left_out_unless_wanted(data_dir: Path) -> None:
     file = data_dir / "episodes" / "part-0.parquet"
     table = pq.read_table(file)
