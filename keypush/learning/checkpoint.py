@@ -10,7 +10,8 @@ from safetensors import SafetensorError
 from safetensors.torch import load, save
 
 from keypush.errors import UserError
-from keypush.learning.network import KeypointNetwork, NetworkConfig
+from keypush.learning.network import KeypointNetwork
+from keypush.learning.network_config import NetworkConfig
 from keypush.resources import weights_dir
 
 SUFFIX = ".safetensors"

@@ -4,7 +4,8 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from keypush.learning.network import KeypointNetwork, NetworkConfig
+from keypush.learning.network import KeypointNetwork
+from keypush.learning.network_config import NetworkConfig
 
 SMALL = NetworkConfig(patches=4, patch_size=8, width=16, patch_width=16, heads=2, query_heads=2)
 

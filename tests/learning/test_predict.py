@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from keypush.errors import UserError
 from keypush.learning.checkpoint import save_network
 from keypush.learning.goal_frame import GoalFrame
-from keypush.learning.network import NetworkConfig, NetworkInput
+from keypush.learning.network import NetworkInput
+from keypush.learning.network_config import NetworkConfig
 from keypush.learning.patches import group_patches_batch
 from keypush.learning.predict import (
     CentroidKeypoint,

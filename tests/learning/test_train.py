@@ -10,11 +10,11 @@ from safetensors.torch import load_file
 from keypush.errors import UserError
 from keypush.learning import train as module
 from keypush.learning.config import TrainingConfig
-from keypush.learning.network import NetworkConfig
+from keypush.learning.network_config import NetworkConfig
 from keypush.learning.predict import load_keypoint_model
 from keypush.learning.train import STATE, WEIGHTS, rate, train
 from tests.learning.scenes import SMALL, make_cloud, make_hand
-from tests.learning.synthetic import write_data
+from tests.learning.synthetic import STEPS, write_data
 
 QUICK = TrainingConfig(
     label="analytic", epochs=2, batch=16, cloud_points=64, clouds_per_object=2, network=SMALL
@@ -69,7 +69,7 @@ def test_other_seed_gives_other_weights(data_dir: Path, tmp_path: Path) -> None:
 def test_result_loads_and_says_where_it_came_from(data_dir: Path, tmp_path: Path) -> None:
     config = dataclasses.replace(QUICK, epochs=1, held_out_objects=["can"], label="measured")
     metrics = train(data_dir, tmp_path, config)
-    assert metrics["held_out_objects"]["can"]["rows"] == 80
+    assert metrics["held_out_objects"]["can"]["rows"] == 20 * STEPS
     description = json.loads((tmp_path / WEIGHTS).with_suffix(".json").read_text())
     assert description["metrics"] == metrics
     assert description["training"]["label"] == "measured"

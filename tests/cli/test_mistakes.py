@@ -1,0 +1,101 @@
+"""Every mistake of the user's is one line that names its cause, and exit status 2."""
+
+from pathlib import Path
+
+import pytest
+
+from keypush.cli.main import main
+from tests.cli.command import keypush
+
+YAML = {
+    "unknown.yaml": "episode: {max_stepz: 3}",
+    "nan.yaml": "noise: {cloud_deviation: .nan}",
+    "range.yaml": "object: {mass: -1}",
+    "broken.yaml": "episode: [",
+    "list.yaml": "[1, 2]",
+    "goal.yaml": "episode: {goal: [0.3, 0.0]}",
+    "crowded.yaml": "episode: {goal: [0.0, 0.0], goal_min_distance: 0.5}",
+}
+MISTAKES: list[tuple[list[str], list[str]]] = [
+    (["demo", "--object", "teapot"], ["'teapot'", "mug"]),
+    (["demo", "--scenario", "missing.yaml"], ["missing.yaml", "cannot be read"]),
+    (["demo", "--scenario", "folder"], ["folder", "cannot be read"]),
+    (["demo", "--scenario", "binary.yaml"], ["binary.yaml", "cannot be read"]),
+    (["demo", "--scenario", "broken.yaml"], ["broken.yaml"]),
+    (["demo", "--scenario", "list.yaml"], ["list.yaml", "mapping"]),
+    (["demo", "--scenario", "unknown.yaml"], ["unknown.yaml", "max_stepz"]),
+    (["demo", "--scenario", "nan.yaml"], ["nan.yaml", "noise.cloud_deviation is nan", "0 to 0.1"]),
+    (["demo", "--scenario", "range.yaml"], ["range.yaml", "object.mass is -1"]),
+    (["demo", "--scenario", "goal.yaml"], ["goal.yaml", "episode.goal is [0.3, 0.0]"]),
+    (["demo", "--policy", "expert", "--scenario", "crowded.yaml"], ["goal_min_distance is 0.5"]),
+    (["demo", "--set", "table.color=red"], ["color"]),
+    (["demo", "--set", "seed"], ["--set 'seed'", "FIELD=VALUE"]),
+    (["demo", "--set", "table={", "--seed", "1"], ["--set 'table={'"]),
+    (["demo", "--set", "object=1", "--object", "mug"], ["object.name"]),
+    (["demo", "--seed", "-1"], ["seed is -1"]),
+    (["demo", "--set", "predictor.weights=nothing"], ["weights 'nothing'", ".safetensors"]),
+    (["evaluate", "--weights", "none.safetensors", "--out", "e"], ["none.safetensors"]),
+    (["evaluate", "--objects", "mug,teapot", "--out", "e"], ["'teapot'"]),
+    (["evaluate", "--objects", ",", "--out", "e"], ["','", "unseen"]),
+    (["evaluate", "--episodes", "0", "--out", "e"], ["--episodes is 0"]),
+    (["collect", "--processes", "0", "--out", "c"], ["--processes is 0"]),
+    (["demo", "--policy", "expert", "--out", "file"], ["output folder file", "exists"]),
+    (["demo", "--policy", "expert", "--out", "file/inside"], ["file/inside", "Not a directory"]),
+    (["collect", "--out", "/proc/keypush"], ["/proc/keypush", "cannot be written"]),
+    (["collect", "--out", "/proc"], ["/proc", "cannot be written"]),
+    (["diagram", "--policy", "expert", "--out", "folder"], ["output file folder"]),
+    (["train", "--data", "missing", "--out", "t"], ["missing"]),
+    (["bench", "sim", "--episodes", "0"], ["--episodes is 0"]),
+]
+
+
+@pytest.fixture(scope="module")
+def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("workplace")
+    for name, text in YAML.items():
+        (folder / name).write_text(text)
+    (folder / "binary.yaml").write_bytes(b"\xff\xfe\x00")
+    (folder / "file").write_text("")
+    (folder / "folder").mkdir()
+    return folder
+
+
+@pytest.mark.parametrize(("arguments", "words"), MISTAKES, ids=lambda value: " ".join(value)[:60])
+def test_one_line_and_status_2(
+    arguments: list[str],
+    words: list[str],
+    workplace: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(workplace)
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.err.startswith("keypush: ")
+    assert captured.err.count("\n") == 1
+    assert captured.out == ""
+    for word in words:
+        assert word in captured.err
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["collect", "--episodes", "1", "--scenario", "crowded.yaml", "--out", "crowded"],
+        ["demo", "--scenario", "nan.yaml"],
+        ["demo", "--speed", "3"],
+    ],
+)
+def test_the_process_itself_exits_with_status_2(arguments: list[str], workplace: Path) -> None:
+    result = keypush(*arguments, cwd=workplace)
+    assert result.returncode == 2
+    assert "Traceback" not in result.stderr
+
+
+@pytest.mark.parametrize(
+    "arguments", [["push"], ["demo", "--speed", "3"], ["demo", "--seed", "x"], ["evaluate"]]
+)
+def test_what_the_parser_refuses_has_status_2(arguments: list[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2

@@ -1,0 +1,63 @@
+"""The summary of episodes, and its table."""
+
+import io
+import json
+
+import pytest
+from rich.console import Console
+
+from keypush.evaluation.summary import summarise
+from keypush.evaluation.table import summary_table
+from keypush.evaluation.wilson import wilson_interval
+
+
+def _episodes() -> list[dict[str, object]]:
+    outcomes = {
+        "mug": ["success", "success", "toppled", "fell"],
+        "bottle": ["success", "timed_out", "toppled", "toppled"],
+    }
+    return [
+        {"object": name, "outcome": o, "success": o == "success", "settled_success": o == "success"}
+        for name, mine in outcomes.items()
+        for o in mine
+    ]
+
+
+def test_rates_intervals_and_failures() -> None:
+    episodes = _episodes()
+    episodes[0]["settled_success"] = False
+    summary = summarise(episodes)
+    assert summary["success_rate"] == 3 / 8
+    assert summary["settled_success_rate"] == 2 / 8
+    assert summary["failures"] == {"fell": 1, "timed_out": 1, "toppled": 3}
+    assert summary["objects"]["mug"] == {
+        "episodes": 4,
+        "successes": 2,
+        "success_rate": 0.5,
+        "wilson95": list(wilson_interval(2, 4)),
+        "failures": {"fell": 1, "toppled": 1},
+    }
+    assert list(summary["objects"]) == ["mug", "bottle"]
+    json.dumps(summary)
+
+
+def test_counts_add_up() -> None:
+    summary = summarise(_episodes())
+    for line in [summary, *summary["objects"].values()]:
+        assert line["episodes"] == line["successes"] + sum(line["failures"].values())
+
+
+def test_no_episodes_are_refused() -> None:
+    with pytest.raises(ValueError, match="no episodes"):
+        summarise([])
+
+
+def test_table_shows_every_object_and_the_total() -> None:
+    text = io.StringIO()
+    Console(file=text, width=100).print(summary_table(summarise(_episodes()), "expert"))
+    lines = text.getvalue().splitlines()
+    mug, total = (next(line for line in lines if name in line) for name in ("mug", "all"))
+    assert "50.0%" in mug
+    assert "fell 1, toppled 1" in mug
+    assert "37.5%" in total
+    assert "13.7% to 69.4%" in total

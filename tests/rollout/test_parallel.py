@@ -1,0 +1,110 @@
+"""The parallel runner: same bytes for any number of processes, resuming, failures."""
+
+import multiprocessing
+import shutil
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from keypush.errors import UserError
+from keypush.rollout.job import EPISODES_PER_BLOCK, Job
+from keypush.rollout.parallel import run_job
+from keypush.rollout.worker import MakeRunner
+from tests.rollout.short_scenarios import (
+    DyingRunner,
+    MistakenRunner,
+    RaisingRunner,
+    short_scenario,
+)
+
+
+def _job(episodes: int = 11) -> Job:
+    return Job(scenario=short_scenario(), objects=("disc", "can"), episodes=episodes)
+
+
+def _bytes(folder: Path) -> dict[str, bytes]:
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("one_process")
+    run_job(_job(), folder, processes=1)
+    return folder
+
+
+def test_every_episode_is_there_once(finished: Path) -> None:
+    for kind in ("rows", "episodes"):
+        files = sorted(path.name for path in (finished / kind).iterdir())
+        assert files == [f"{o}-{n}.parquet" for o in ("can", "disc") for n in ("000000", "000010")]
+    episodes = pq.read_table(finished / "episodes").to_pylist()
+    assert sorted((e["object"], e["episode"]) for e in episodes) == sorted(
+        (name, i) for name in ("can", "disc") for i in range(11)
+    )
+    rows = pq.read_table(finished / "rows").to_pydict()
+    steps = {(e["object"], e["episode"]): e["steps"] for e in episodes}
+    for key, count in steps.items():
+        mine = [
+            step
+            for name, episode, step in zip(
+                rows["object"], rows["episode"], rows["step"], strict=True
+            )
+            if (name, episode) == key
+        ]
+        assert mine == list(range(len(mine)))
+        assert len(mine) >= count
+
+
+def test_two_processes_write_the_same_bytes_as_one(finished: Path, tmp_path: Path) -> None:
+    run_job(_job(), tmp_path, processes=2)
+    assert _bytes(tmp_path) == _bytes(finished)
+
+
+def test_resuming_runs_only_what_is_missing(finished: Path, tmp_path: Path) -> None:
+    shutil.copytree(finished, tmp_path, dirs_exist_ok=True)
+    kept = tmp_path / "episodes" / "disc-000000.parquet"
+    before = kept.stat().st_mtime_ns
+    (tmp_path / "episodes" / "can-000010.parquet").unlink()
+    (tmp_path / "rows" / ".can-000010.parquet.1.partial").write_bytes(b"half a file")
+    run_job(_job(), tmp_path, processes=1)
+    assert _bytes(tmp_path) == _bytes(finished)
+    assert kept.stat().st_mtime_ns == before
+
+
+def test_another_job_is_refused_by_the_field_that_differs(finished: Path) -> None:
+    with pytest.raises(UserError, match=r"job\.yaml: episodes is 11 there and 12 now"):
+        run_job(_job(12), finished, processes=1)
+    other = _job()
+    other.scenario.noise.cloud_deviation = 0.25
+    with pytest.raises(UserError, match=r"scenario\.yaml: noise\.cloud_deviation is 0\.005"):
+        run_job(other, finished, processes=1)
+
+
+@pytest.mark.parametrize(
+    ("make_runner", "error", "text"),
+    [
+        (RaisingRunner, RuntimeError, r"Block\(object='disc', first=0.*\n.*ZeroDivisionError"),
+        (DyingRunner, RuntimeError, r"Block\(object='disc', first=0.*exit status -9"),
+        (MistakenRunner, UserError, "^weights of disc: none for episode 0$"),
+    ],
+)
+def test_a_failure_in_a_worker_reaches_the_caller(
+    make_runner: MakeRunner, error: type[Exception], text: str, tmp_path: Path
+) -> None:
+    job = Job(scenario=short_scenario(), objects=("disc",), episodes=1)
+    with pytest.raises(error, match=f"(?s){text}"):
+        run_job(job, tmp_path, processes=2, make_runner=make_runner)
+    assert multiprocessing.active_children() == []
+    assert list((tmp_path / "episodes").iterdir()) == []
+
+
+def test_blocks_cover_every_episode_without_overlap() -> None:
+    job = _job(2 * EPISODES_PER_BLOCK + 3)
+    covered = [(b.object, b.first + i) for b in job.blocks() for i in range(b.count)]
+    assert covered == [(name, i) for name in job.objects for i in range(job.episodes)]
+    assert len(covered) == job.total
