@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from keypush.errors import UserError
-from keypush.learning.network import NetworkConfig
+from keypush.learning.network_config import NetworkConfig
 
 LABELS = ("measured", "analytic")
 
@@ -30,9 +30,9 @@ class TrainingConfig:
     """Share of the episodes that is kept for validation."""
     held_out_objects: list[str] = field(default_factory=list)
     """Objects that are only validated on."""
-    epochs: int = _number(15, 1, 10_000)
+    epochs: int = _number(8, 1, 10_000)
     """Passes; each draws new noise, new surface points and new augmentation."""
-    rows_per_epoch: int = _number(40_000, 1, 10**9)
+    rows_per_epoch: int = _number(20_000, 1, 10**9)
     """Rows drawn per pass: neighbouring rows are much alike, so not all are needed."""
     batch: int = _number(256, 1, 65_536)
     """Rows per optimiser step."""

@@ -20,9 +20,9 @@ def make_labels(rows: Rows, label: str) -> Points:
     Args:
         rows: ordered by episode and step.
         label: "measured": the contact of the push that the row belongs to (see
-            `measured_contact`); "analytic": the expert's own target.
+            `measured_contact`); "analytic": where the expert aims (see `aimed_contact`).
     """
-    p_WK = measured_contact(rows) if label == "measured" else rows.target.copy()
+    p_WK = measured_contact(rows) if label == "measured" else aimed_contact(rows)
     p_WK[rows.stage == HALTED] = np.nan
     return p_WK
 
@@ -47,6 +47,18 @@ def measured_contact(rows: Rows) -> Points:
     p_WK = np.einsum("nij,nj->ni", R_WO, contact_O) + p_WO
     p_WK[~exists] = np.nan
     return np.asarray(p_WK)
+
+
+def aimed_contact(rows: Rows) -> Points:
+    """Returns the expert's analytic contact at each row's pose, (n, 3); NaN for last rows.
+
+    A row is logged before the planner acts on it, so the planner's answer to it is the target in
+    the next row.
+    """
+    p_WK = np.full_like(rows.target, np.nan)
+    same = rows.episode[1:] == rows.episode[:-1]
+    p_WK[:-1][same] = rows.target[1:][same]
+    return p_WK
 
 
 def rotations(poses: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -79,7 +79,7 @@ def train_epoch(
     generator = torch.Generator().manual_seed(int(rng.integers(2**62)))
     order = torch.from_numpy(rng.permutation(len(scenes))[: config.rows_per_epoch])
     batches = torch.split(order, config.batch)
-    progress = tqdm(batches, f"epoch {state.epoch + 1}/{config.epochs}", leave=False)
+    progress = tqdm(batches, f"epoch {state.epoch + 1}/{config.epochs}", leave=False, disable=None)
     state.network.train()
     total = 0.0
     for i, index in enumerate(progress):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from keypush.objects.catalogue import make_object
 from keypush.planning.contact import analytic_contact
 
-STEPS = 4
+STEPS = 5
 PUSH = 4
 
 
@@ -27,11 +27,14 @@ def write_data(
             key = {"object": name, "size_ratio": ratio, "seed": seed, "episode": episode}
             summaries.append({**key, "success": True, "outcome": "success", "steps": STEPS})
             start, goal = rng.uniform([-0.16, -0.2], [0.16, 0.2], (2, 2))
+            target = [np.nan] * 3
             yaw = rng.uniform(-np.pi, np.pi)
             for step in range(STEPS):
                 share = step / STEPS
                 position = np.array([*(start + share * (goal - start)), model.rest_height])
                 row = _row(points, model.p_OoOcm_O, position, yaw + 0.1 * step, goal, rng)
+                # A row has the target that was held when it was logged: see `aimed_contact`.
+                row["target"], target = target, row["target"]
                 rows.append({**key, "step": step, "stage": PUSH, **row})
     for folder, content in (("rows", rows), ("episodes", summaries)):
         (data_dir / folder).mkdir(parents=True, exist_ok=True)

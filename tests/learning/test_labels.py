@@ -1,10 +1,16 @@
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
+import torch
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from keypush.learning.labels import HALTED, PUSH, make_labels, rotations
-from keypush.learning.rows import Rows
+from keypush.learning.rows import Rows, read_rows
+from keypush.learning.scenes import scene_table
 from keypush.planning.stages import Stage
 
 APPROACH, RETREAT = 1, 5
@@ -70,16 +76,33 @@ def test_rows_without_a_coming_contact_have_no_label() -> None:
 
 @pytest.mark.parametrize("label", ["measured", "analytic"])
 def test_halted_rows_have_no_label(label: str) -> None:
-    rows = _rows([PUSH, HALTED, PUSH], [[0.1, 0.0, 0.01]] * 3)
-    np.testing.assert_array_equal(
-        np.isnan(make_labels(rows, label)).all(axis=1), [False, True, False]
-    )
+    rows = _rows([PUSH, HALTED, PUSH, PUSH], [[0.1, 0.0, 0.01]] * 4)
+    missing = np.isnan(make_labels(rows, label)).all(axis=1)
+    np.testing.assert_array_equal(missing[:3], [False, True, False])
     assert np.isfinite(rows.target).all()
 
 
-def test_analytic_label_is_the_target() -> None:
-    rows = _rows([APPROACH], [NONE])
-    np.testing.assert_array_equal(make_labels(rows, "analytic"), rows.target)
+def test_analytic_label_is_the_next_rows_target() -> None:
+    rows = _rows([APPROACH] * 4, [NONE] * 4, None, [0, 0, 0, 1])
+    rows.target[:] = np.arange(12.0).reshape(4, 3)
+    labels = make_labels(rows, "analytic")
+    np.testing.assert_array_equal(labels[:2], rows.target[1:3])
+    assert np.isnan(labels[2:]).all()
+
+
+@pytest.mark.slow
+def test_analytic_labels_fit_the_logged_poses(tmp_path: Path) -> None:
+    run = "from keypush.cli.main import main; raise SystemExit(main())"
+    command = [sys.executable, "-c", run, "collect", "--objects", "can", "--episodes", "2"]
+    command += ["--processes", "1", "--out", str(tmp_path / "data")]
+    subprocess.run(command, check=True)
+    rows = read_rows(tmp_path / "data", keep_failures=True)
+    table = scene_table(rows, make_labels(rows, "analytic"))
+    pushing = torch.from_numpy(rows.stage == PUSH) & table.label.isfinite().all(dim=1)
+    # The line of push through the COM of the row's own pose, and the can's radius behind it.
+    along, across = table.label[pushing, 0], table.label[pushing, 1]
+    assert across.abs().median() < 5e-4
+    assert (along - along.median()).abs().median() < 5e-4
 
 
 def test_rotations_read_the_scalar_first() -> None:
