@@ -1,0 +1,1 @@
+"""Measurements of speed and truth of the simulation."""

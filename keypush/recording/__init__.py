@@ -1,0 +1,1 @@
+"""Episodes recorded as pages to watch in a browser."""
