@@ -7,7 +7,7 @@ demo: ## One push of an unseen object: prints the outcome, writes out/demo/recor
 	$(RUN) --no-dev keypush demo --out out/demo
 
 test: ## The tests that take seconds
-	$(RUN) pytest
+	$(RUN) pytest -n auto --dist loadfile
 
 test-slow: ## The tests that take minutes: the wheel, soaks, statistics
 	$(RUN) pytest -m slow
