@@ -8,6 +8,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput, VectorLogSink
 
 from diagrams.station import MakePushStation, PushStation
+from keypush.control.arm_kinematics import ArmKinematics
 from keypush.objects.catalogue import make_object
 from keypush.scenario import Scenario
 from keypush.seeding import make_generator
@@ -39,7 +40,9 @@ class PushDiagram:
 
 
 def MakePushDiagram(
-    scenario: Scenario, keypoint_model: "KeypointModel | None" = None, meshcat: Meshcat | None = None
+    scenario: Scenario,
+    keypoint_model: "KeypointModel | None" = None,
+    meshcat: Meshcat | None = None,
 ) -> PushDiagram:
     """Wires station, policy, monitor and logger.
 
@@ -63,7 +66,7 @@ def MakePushDiagram(
     else:
         assert keypoint_model is not None, "a keypoint policy needs a keypoint model"
         predictor, planner = _add_keypoint_policy(builder, station, goal, scenario, keypoint_model)
-    _connect(builder, station.diagram, planner, ["tool_pose"])
+    _connect(builder, station.diagram, planner, ["tool_pose", "arm_state"])
     _connect(builder, station.diagram, monitor, ["object_pose", "object_com", "tool_pose"])
     builder.Connect(goal.get_output_port(), monitor.GetInputPort("goal"))
     builder.Connect(monitor.GetOutputPort("halted"), planner.GetInputPort("halted"))
@@ -95,7 +98,13 @@ def _add_expert(
 ) -> ExpertPlanner:
     points = station.model.surface_points(_EXPERT_POINTS, make_generator(0, 0, "expert_points"))
     planner = builder.AddSystem(
-        ExpertPlanner(points, scenario.planner, scenario.control, scenario.episode.policy_period)
+        ExpertPlanner(
+            points,
+            ArmKinematics(scenario.robot),
+            scenario.planner,
+            scenario.control,
+            scenario.episode.policy_period,
+        )
     )
     _connect(builder, station.diagram, planner, ["object_pose", "object_com"])
     builder.Connect(goal.get_output_port(), planner.GetInputPort("goal"))
@@ -111,7 +120,7 @@ def _add_keypoint_policy(
 ) -> tuple[KeypointPredictor, PushPlanner]:
     period = scenario.episode.policy_period
     predictor = builder.AddSystem(KeypointPredictor(model, scenario.noise.cloud_points, period))
-    planner = builder.AddSystem(PushPlanner(scenario.planner, scenario.control, period))
+    planner = builder.AddSystem(PushPlanner(ArmKinematics(scenario.robot), scenario.planner, scenario.control, period))
     _connect(builder, station.diagram, predictor, ["point_cloud", "tool_pose"])
     if model.uses_com:
         _connect(builder, station.diagram, predictor, ["object_com"])

@@ -11,10 +11,11 @@ from pydrake.multibody.plant import (
 from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
+from keypush.control.arm_kinematics import ArmKinematics
 from keypush.objects.model import ObjectModel
 from keypush.objects.plant import add_object
 from keypush.objects.table import add_table
-from keypush.robot.panda import NUM_JOINTS, Panda, add_panda, make_arm_plant
+from keypush.robot.panda import NUM_JOINTS, Panda, add_panda
 from keypush.robot.visuals import add_panda_visuals
 from keypush.scenario import Scenario, SimulationConfig
 from keypush.seeding import make_generator
@@ -66,7 +67,9 @@ def MakePushStation(scenario: Scenario, model: ObjectModel, visuals: bool = Fals
     sensor = _add_point_cloud_sensor(builder, poses, scenario, model)
     noise = _add_control(builder, plant, panda, scenario)
     contact = builder.AddSystem(_contact_sensor(plant, panda, body))
-    builder.Connect(plant.get_contact_results_output_port(), contact.GetInputPort("contact_results"))
+    builder.Connect(
+        plant.get_contact_results_output_port(), contact.GetInputPort("contact_results")
+    )
     builder.ExportOutput(plant.get_state_output_port(panda.instance), "arm_state")
     for name in ("tool_pose", "object_pose", "object_com"):
         builder.ExportOutput(poses.GetOutputPort(name), name)
@@ -75,9 +78,7 @@ def MakePushStation(scenario: Scenario, model: ObjectModel, visuals: bool = Fals
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     diagram = builder.Build()
     diagram.set_name("station")
-    return PushStation(
-        diagram, plant, scene_graph, panda, body, model, poses, sensor, noise
-    )
+    return PushStation(diagram, plant, scene_graph, panda, body, model, poses, sensor, noise)
 
 
 def _plant_config(config: SimulationConfig) -> MultibodyPlantConfig:
@@ -120,10 +121,8 @@ def _add_control(
     builder: DiagramBuilder, plant: MultibodyPlant, panda: Panda, scenario: Scenario
 ) -> TorqueNoise:
     period = scenario.episode.policy_period
-    arm, arm_panda = make_arm_plant(scenario.robot)
-    controller = builder.AddSystem(
-        DifferentialIkController(arm, arm_panda.tool_frame, scenario.control, period)
-    )
+    arm = ArmKinematics(scenario.robot)
+    controller = builder.AddSystem(DifferentialIkController(arm, scenario.control, period))
     noise = builder.AddSystem(TorqueNoise(NUM_JOINTS, scenario.noise.torque_deviation, period))
     builder.Connect(
         plant.get_state_output_port(panda.instance), controller.GetInputPort("arm_state")

@@ -139,15 +139,15 @@ class SimulationConfig:
 
     integrator: str = _choice("cenic", INTEGRATORS)
     """Error-controlled CENIC, or the discrete `lagged` model as the reference."""
-    accuracy: float = _number(1e-2, 1e-8, 1.0)
+    accuracy: float = _number(5e-3, 1e-8, 1.0)
     """CENIC's accuracy."""
-    max_step: float = _number(0.1, 1e-5, 0.1)
+    max_step: float = _number(0.05, 1e-5, 0.1)
     """CENIC's longest step."""
     discrete_period: float = _number(1e-3, 1e-5, 0.02)
     """Time step of the discrete model."""
-    hydroelastic_modulus: float = _number(1e6, 1e3, 1e10)
+    hydroelastic_modulus: float = _number(1e7, 1e3, 1e10)
     """Of the gripper, Pa."""
-    table_modulus: float = _number(5e8, 1e3, 1e11)
+    table_modulus: float = _number(5e7, 1e3, 1e11)
     """Of the table, Pa; an object on a softer one tips well inside its support polygon."""
     table_margin: float = _number(1e-4, 0.0, 0.01)
     """Distance at which contact with the table is foreseen, m; without it long steps hop."""
@@ -187,6 +187,8 @@ class PlannerConfig:
     """Speed of the tool in free motion, m/s."""
     turn_rate: float = _number(0.6, 0.01, 3.0)
     """Angular speed of the tool, rad/s."""
+    tracking_gain: float = _number(1.4, 0.1, 5.0)
+    """Action per error of the tool; above 1 because one action is only partly reached."""
     lateral_gain: float = _number(1.0, 0.0, 5.0)
     """Share of the lateral error that one centimetre of pushing takes away."""
     reapproach_error: float = _number(0.015, 0.001, 0.2)

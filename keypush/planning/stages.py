@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 from pydrake.common.eigen_geometry import AngleAxis, Quaternion
 from pydrake.math import RigidTransform, RotationMatrix
 
+from keypush.control.arm_kinematics import ArmKinematics
+from keypush.control.differential_ik import undamped_action
+from keypush.planning.posture import Posture, choose_posture
 from keypush.planning.push_frame import left_of, rotation_vector, tool_rotation
 from keypush.scenario import ControlConfig, PlannerConfig
 
 Array = NDArray[np.float64]
 
-_Z = np.array([0.0, 0.0, 1.0])
 _APPROACH_TOLERANCE = 0.015
 _TURN_TOLERANCE = 0.12
 _SETTLE_HEIGHT_TOLERANCE = 0.004
@@ -30,6 +32,17 @@ _REAPPROACH_STEPS = 3
 _LOW_PATH_BEHIND = 0.02
 _LOW_PATH_BESIDE = 0.06
 _RETREAT_STEPS = 15
+_START_ABOVE = 0.003
+"""A push starts this much above its height and sinks, at most `_SINK` per policy step."""
+_SINK = 0.003
+_LARGEST_GAIN = 3.0
+_STEEPER = np.deg2rad([0.0, 6.0])
+"""Added to the pitch where the arm cannot reach the push otherwise; beyond this the palm
+would be ahead of the fingers and touch tall objects first."""
+_LOWER = (1.0, 0.75, 0.5)
+"""Shares of the approach height that are tried where the arm cannot reach higher."""
+_OVERHEAD = 0.04
+"""Distance from the point of descent within which the tool may go below that height, m."""
 
 
 class Stage(IntEnum):
@@ -44,17 +57,21 @@ class Stage(IntEnum):
     HALTED = 6
 
 
+UNDECIDED = Posture(0, 0.0, 0.0)
+"""Stands for a posture that is not chosen yet."""
+
+
 @dataclass(frozen=True)
 class PlanState:
     """What a planner remembers between policy steps."""
 
     stage: Stage
-    side: int
-    """Which way the wrist is turned, +1 or -1; 0 while not yet chosen."""
     steps: int
     """Policy steps spent in the stage."""
     strikes: int
     """Consecutive pushing steps with too large a lateral error."""
+    posture: Posture
+    """How the tool is held."""
     R_WR: RotationMatrix
     """Orientation of the reference R that the tool follows."""
     p_WR: Array
@@ -62,44 +79,49 @@ class PlanState:
     p_WT: Array
     """(3,) where a retreat goes."""
 
-    SIZE = 14
+    SIZE = 16
 
     def to_vector(self) -> Array:
         """Packs the state for a Context."""
         quaternion = self.R_WR.ToQuaternion().wxyz()
-        counts = [float(self.stage), float(self.side), float(self.steps), float(self.strikes)]
-        return np.concatenate([counts, quaternion, self.p_WR, self.p_WT])
+        posture = [self.posture.side, self.posture.pitch, self.posture.height]
+        counts = [self.stage, self.steps, self.strikes]
+        return np.concatenate([counts, posture, quaternion, self.p_WR, self.p_WT])
 
     @staticmethod
     def from_vector(x: Array) -> "PlanState":
         """Unpacks `to_vector`."""
         return PlanState(
             stage=Stage(round(x[0])),
-            side=round(x[1]),
-            steps=round(x[2]),
-            strikes=round(x[3]),
-            R_WR=RotationMatrix(Quaternion(x[4:8])),
-            p_WR=np.array(x[8:11]),
-            p_WT=np.array(x[11:14]),
+            steps=round(x[1]),
+            strikes=round(x[2]),
+            posture=Posture(round(x[3]), float(x[4]), float(x[5])),
+            R_WR=RotationMatrix(Quaternion(x[6:10])),
+            p_WR=np.array(x[10:13]),
+            p_WT=np.array(x[13:16]),
         )
 
     @staticmethod
     def start(X_WE: RigidTransform) -> "PlanState":
         """The state at the start of an episode: the reference is the tool itself."""
         p_WE = X_WE.translation()
-        return PlanState(Stage.RISE, 0, 0, 0, X_WE.rotation(), p_WE, p_WE)
+        return PlanState(Stage.RISE, 0, 0, UNDECIDED, X_WE.rotation(), p_WE, p_WE)
 
 
 @dataclass(frozen=True)
 class PushObservation:
     """What a planner sees at one policy step; all in W."""
 
+    q: Array
+    """(7,) joint positions, rad."""
     X_WE: RigidTransform
     """Tool pose."""
     p_WK: Array
     """(3,) contact point to push at."""
     d_W: Array
     """(3,) horizontal unit vector of the push."""
+    distance: float
+    """How far the contact still has to be pushed, m."""
     halted: bool = False
     """Whether the tool must stop."""
     reset_offset: Array | None = None
@@ -109,12 +131,19 @@ class PushObservation:
 class PushStages:
     """The stage logic: `advance` is a pure function of state and observation."""
 
-    def __init__(self, config: PlannerConfig, control: ControlConfig, period: float) -> None:
+    def __init__(
+        self, arm: ArmKinematics, config: PlannerConfig, control: ControlConfig, period: float
+    ) -> None:
+        """Args: kinematics of the arm, stage constants, clips of the action, period in s."""
+        self._arm = arm
         self._config = config
+        self._control = control
         self._period = period
-        self._pitch = float(np.deg2rad(config.pitch_deg))
-        self._lead = 0.95 * control.max_translation
-        self._turn_lead = 0.95 * control.max_rotation
+        pitch = np.deg2rad(config.pitch_deg)
+        self._pitches = [float(p) for p in np.minimum(pitch + _STEEPER, np.pi / 2)]
+        # Within these the clip of the action does not bind.
+        self._lead = control.max_translation / config.tracking_gain
+        self._turn_lead = control.max_rotation / config.tracking_gain
 
     def advance(self, state: PlanState, seen: PushObservation) -> PlanState:
         """Returns the state of the next policy step: stage first, then its reference."""
@@ -124,19 +153,21 @@ class PushStages:
         p_WR = self._move(state, seen)
         return replace(state, p_WR=p_WR, R_WR=self._turn(state, seen))
 
-    def action(self, state: PlanState, X_WE: RigidTransform) -> Array:
+    def action(self, state: PlanState, seen: PushObservation) -> Array:
         """Returns the residual tool action (6,): translation in m, axis-angle in rad, in W."""
-        return np.concatenate(
-            [state.p_WR - X_WE.translation(), rotation_vector(X_WE.rotation(), state.R_WR)]
-        )
+        offset = state.p_WR - seen.X_WE.translation()
+        turn = rotation_vector(seen.X_WE.rotation(), state.R_WR)
+        J = self._arm.jacobian(seen.q)
+        a = self._config.tracking_gain * np.concatenate([offset, turn])
+        return undamped_action(J, a, self._control.damping, _LARGEST_GAIN)
 
     # Which stage -----------------------------------------------------------------------
 
     def _choose_stage(self, state: PlanState, seen: PushObservation) -> PlanState:
         if seen.halted:
             return self._enter(state, Stage.HALTED)
-        if state.side == 0:
-            state = replace(state, side=self._nearer_side(seen))
+        if state.posture == UNDECIDED:
+            state = replace(state, posture=self._choose_posture(seen))
         choose = {
             Stage.RISE: self._after_rise,
             Stage.APPROACH: self._after_approach,
@@ -155,24 +186,23 @@ class PushStages:
             return state
         return replace(state, stage=stage, steps=0, strikes=0)
 
-    def _nearer_side(self, seen: PushObservation) -> int:
-        R_WE = seen.X_WE.rotation()
-        angles = {
-            side: np.linalg.norm(rotation_vector(R_WE, tool_rotation(seen.d_W, self._pitch, side)))
-            for side in (1, -1)
-        }
-        return 1 if angles[1] <= angles[-1] else -1
+    def _choose_posture(self, seen: PushObservation) -> Posture:
+        end = seen.p_WK + max(seen.distance, 0.0) * seen.d_W
+        end[2] = self._config.tool_height
+        waypoints = [self._behind(seen), end]
+        heights = [share * self._config.approach_height for share in _LOWER]
+        return choose_posture(self._arm, seen.q, seen.d_W, waypoints, self._pitches, heights)
 
     def _after_rise(self, state: PlanState, seen: PushObservation) -> PlanState:
         if seen.X_WE.translation()[2] > self._config.approach_height - 0.02:
-            return replace(self._enter(state, Stage.APPROACH), side=self._nearer_side(seen))
+            return replace(
+                self._enter(state, Stage.APPROACH), posture=self._choose_posture(seen)
+            )
         return state
 
     def _after_approach(self, state: PlanState, seen: PushObservation) -> PlanState:
-        off = seen.X_WE.translation() - self._above(seen)
-        turn = rotation_vector(
-            seen.X_WE.rotation(), tool_rotation(seen.d_W, self._pitch, state.side)
-        )
+        off = seen.X_WE.translation() - self._above(state, seen)
+        turn = rotation_vector(seen.X_WE.rotation(), self._wanted_rotation(state, seen))
         if np.linalg.norm(off) < _APPROACH_TOLERANCE and np.linalg.norm(turn) < _TURN_TOLERANCE:
             return self._enter(state, Stage.DESCEND)
         return state
@@ -217,14 +247,16 @@ class PushStages:
 
     def _beside(self, seen: PushObservation, forward: float, left: float) -> Array:
         point = seen.p_WK + forward * seen.d_W + left * left_of(seen.d_W)
-        return np.array([point[0], point[1], self._config.tool_height])
+        return np.array([point[0], point[1], self._config.tool_height + _START_ABOVE])
 
     def _behind(self, seen: PushObservation) -> Array:
         return self._beside(seen, -self._config.approach_margin, 0.0)
 
-    def _above(self, seen: PushObservation) -> Array:
+    def _above(self, state: PlanState, seen: PushObservation) -> Array:
+        """Over the point of descent; high up while the tool may still be over the object."""
         behind = self._behind(seen)
-        behind[2] = self._config.approach_height
+        away = np.hypot(*(seen.X_WE.translation() - behind)[:2]) > _OVERHEAD
+        behind[2] = self._config.approach_height if away else state.posture.height
         return behind
 
     def _heading(self, seen: PushObservation) -> Array:
@@ -233,6 +265,10 @@ class PushStages:
         heading = np.array([z_axis[0], z_axis[1], 0.0])
         length = float(np.linalg.norm(heading))
         return heading / length if length > 1e-6 else seen.d_W
+
+    @staticmethod
+    def _wanted_rotation(state: PlanState, seen: PushObservation) -> RotationMatrix:
+        return tool_rotation(seen.d_W, state.posture.pitch, state.posture.side)
 
     def _move(self, state: PlanState, seen: PushObservation) -> Array:
         free = self._config.free_speed * self._period
@@ -244,11 +280,16 @@ class PushStages:
             step = free
         else:
             target, step = {
-                Stage.APPROACH: (self._above(seen), free),
+                Stage.APPROACH: (self._above(state, seen), free),
                 Stage.DESCEND: (self._behind(seen), free / 2),
                 Stage.SETTLE: (self._behind(seen), free / 2),
                 Stage.RETREAT: (state.p_WT, free / 2),
             }[state.stage]
+        return self._step_towards(state, seen, target, step)
+
+    def _step_towards(
+        self, state: PlanState, seen: PushObservation, target: Array, step: float
+    ) -> Array:
         offset = target - state.p_WR
         distance = float(np.linalg.norm(offset))
         p_WR = target if distance <= step else state.p_WR + offset * (step / distance)
@@ -264,13 +305,16 @@ class PushStages:
         steer = np.clip(-self._config.lateral_gain * error / 0.01, -1.0, 1.0)
         heading = seen.d_W + steer * left
         target = state.p_WR + step * heading / np.linalg.norm(heading)
-        target[2] = self._config.tool_height
+        # Slowly down: a tool that rises drags the object up with it and tips it.
+        z = seen.X_WE.translation()[2]
+        drop = np.clip(self._config.tool_height - z, -_SINK, _SINK)
+        target[2] = z + drop
         return np.asarray(target)
 
     def _turn(self, state: PlanState, seen: PushObservation) -> RotationMatrix:
         if state.stage == Stage.RETREAT:
             return state.R_WR
-        R_WG = tool_rotation(seen.d_W, self._pitch, state.side)
+        R_WG = self._wanted_rotation(state, seen)
         R_WR = _turn_towards(state.R_WR, R_WG, self._config.turn_rate * self._period)
         return _turn_towards(seen.X_WE.rotation(), R_WR, self._turn_lead)
 

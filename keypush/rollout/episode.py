@@ -53,7 +53,6 @@ class EpisodeRunner:
         self.push: PushDiagram = MakePushDiagram(scenario, make_keypoint_model(scenario), meshcat)
         self._sampler = StartSampler(scenario, self.push.station.model)
         self._simulator = Simulator(self.push.diagram)
-        ApplySimulatorConfig(simulator_config(scenario.simulation), self._simulator)
         self._context = self._simulator.get_mutable_context()
 
     def run(self, episode: int) -> EpisodeResult:
@@ -82,6 +81,8 @@ class EpisodeRunner:
         self.push.goal.get_mutable_source_value(goal_context).set_value(start.goal)
         self._seed(context, episode)
         self.push.log.FindMutableLog(context).Clear()
+        # A fresh integrator: the old one would start with the step size it ended with.
+        ApplySimulatorConfig(simulator_config(self.scenario.simulation), self._simulator)
         self._simulator.Initialize()
         return start
 
@@ -146,7 +147,7 @@ class EpisodeRunner:
 def simulator_config(config: SimulationConfig) -> SimulatorConfig:
     """Returns Drake's simulator configuration for the scenario's integrator."""
     if config.integrator == "discrete":
-        return SimulatorConfig(publish_every_time_step=False)
+        return SimulatorConfig()
     return SimulatorConfig(
         integration_scheme="cenic",
         max_step_size=config.max_step,

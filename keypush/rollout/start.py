@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.math import RigidTransform, RollPitchYaw
-from pydrake.multibody.plant import MultibodyPlant
 
+from keypush.control.arm_kinematics import ArmKinematics
 from keypush.errors import UserError
 from keypush.objects.model import ObjectModel
-from keypush.robot.panda import Panda, make_arm_plant
 from keypush.scenario import Scenario, TableConfig
 from keypush.seeding import make_generator
 
@@ -34,10 +33,7 @@ class StartSampler:
     def __init__(self, scenario: Scenario, model: ObjectModel) -> None:
         self._scenario = scenario
         self._model = model
-        self._arm: MultibodyPlant
-        self._panda: Panda
-        self._arm, self._panda = make_arm_plant(scenario.robot)
-        self._context = self._arm.CreateDefaultContext()
+        self._arm = ArmKinematics(scenario.robot)
 
     def sample(self, episode: int) -> EpisodeStart:
         """Draws the start of one episode.
@@ -74,11 +70,10 @@ class StartSampler:
     def _arm_positions(self, rng: np.random.Generator, p_WO: Array) -> Array:
         robot = self._scenario.robot
         lower, upper = np.array(robot.start_lower), np.array(robot.start_upper)
-        limits = self._arm.GetPositionLowerLimits(), self._arm.GetPositionUpperLimits()
         for _ in range(_TRIES):
             q = rng.uniform(lower, upper) + rng.normal(scale=robot.start_deviation, size=len(lower))
-            q = np.clip(q, *limits)
-            p_WE = self._tool_position(q)
+            q = np.clip(q, self._arm.limits.lower, self._arm.limits.upper)
+            p_WE = self._arm.tool_pose(q).translation()
             high = p_WE[2] >= robot.start_tool_height
             if high and np.linalg.norm(p_WE - p_WO) >= robot.start_object_distance:
                 return np.asarray(q)
@@ -87,11 +82,6 @@ class StartSampler:
             f"{robot.start_tool_height:g} m above the table and "
             f"{robot.start_object_distance:g} m from the object"
         )
-
-    def _tool_position(self, q: Array) -> Array:
-        self._arm.SetPositions(self._context, q)
-        X_WE = self._panda.tool_frame.CalcPoseInWorld(self._context)
-        return np.asarray(X_WE.translation())
 
 
 def reachable_half_extents(table: TableConfig) -> Array:

@@ -1,9 +1,6 @@
 """DifferentialIkController: a residual tool action becomes a joint position target."""
 
 import numpy as np
-from numpy.typing import NDArray
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import Frame, JacobianWrtVariable
 from pydrake.systems.framework import (
     BasicVector,
     Context,
@@ -12,8 +9,10 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
-from keypush.control.differential_ik import JointLimits, solve_differential_ik
+from keypush.control.arm_kinematics import ArmKinematics
+from keypush.control.differential_ik import solve_differential_ik
 from keypush.eval_ports import eval_vector
+from keypush.robot.panda import NUM_JOINTS
 from keypush.scenario import ControlConfig
 
 
@@ -43,31 +42,20 @@ class DifferentialIkController(LeafSystem):
     the measured position.
     """
 
-    def __init__(
-        self, arm: MultibodyPlant, tool_frame: Frame, config: ControlConfig, policy_period: float
-    ) -> None:
-        """Args: a plant with the arm alone, its frame E, clips and damping, period in s."""
+    def __init__(self, arm: ArmKinematics, config: ControlConfig, policy_period: float) -> None:
+        """Args: kinematics of the arm, clips and damping, period in s."""
         super().__init__()
         self.set_name("differential_ik_controller")
         self._arm = arm
-        self._tool = tool_frame
         self._config = config
         self._period = policy_period
-        self._limits = JointLimits(
-            arm.GetPositionLowerLimits(),
-            arm.GetPositionUpperLimits(),
-            arm.GetVelocityUpperLimits(),
-        )
-        # Scratch space for kinematics: every use sets the positions first.
-        self._scratch = arm.CreateDefaultContext()
         self._clip = np.repeat([config.max_translation, config.max_rotation], 3)
-        n = arm.num_positions()
         self._action = self.DeclareVectorInputPort("tool_action", 6)
-        self._state = self.DeclareVectorInputPort("arm_state", 2 * n)
-        target = self.DeclareDiscreteState(n)
+        self._state = self.DeclareVectorInputPort("arm_state", 2 * NUM_JOINTS)
+        target = self.DeclareDiscreteState(NUM_JOINTS)
         self.DeclareVectorOutputPort(
             "arm_desired_state",
-            2 * n,
+            2 * NUM_JOINTS,
             self._calc_desired_state,
             prerequisites_of_calc={self.discrete_state_ticket(target)},
         )
@@ -75,25 +63,16 @@ class DifferentialIkController(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(policy_period, 0.0, self._update)
 
     def _hold(self, context: Context, state: DiscreteValues) -> EventStatus:
-        state.set_value(0, eval_vector(self._state, context)[: self._arm.num_positions()])
+        state.set_value(0, eval_vector(self._state, context)[: NUM_JOINTS])
         return EventStatus.Succeeded()
 
     def _update(self, context: Context, state: DiscreteValues) -> EventStatus:
-        q = eval_vector(self._state, context)[: self._arm.num_positions()]
+        q = eval_vector(self._state, context)[: NUM_JOINTS]
         action = np.clip(eval_vector(self._action, context), -self._clip, self._clip)
-        lower, upper = self._limits.step_bounds(q, self._period)
-        dq = solve_differential_ik(self._jacobian(q), action, self._config.damping, lower, upper)
+        lower, upper = self._arm.limits.step_bounds(q, self._period)
+        dq = solve_differential_ik(self._arm.jacobian(q), action, self._config.damping, lower, upper)
         state.set_value(0, q + dq)
         return EventStatus.Succeeded()
-
-    def _jacobian(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns the tool's Jacobian (6, n) in W, translation first."""
-        self._arm.SetPositions(self._scratch, q)
-        world = self._arm.world_frame()
-        J = self._arm.CalcJacobianSpatialVelocity(
-            self._scratch, JacobianWrtVariable.kQDot, self._tool, np.zeros(3), world, world
-        )
-        return np.vstack([J[3:], J[:3]])
 
     def _calc_desired_state(self, context: Context, output: BasicVector) -> None:
         target = context.get_discrete_state(0).value()

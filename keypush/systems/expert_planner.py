@@ -6,6 +6,7 @@ from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
+from keypush.control.arm_kinematics import ArmKinematics
 from keypush.eval_ports import eval_abstract, eval_vector
 from keypush.planning.contact import analytic_contact
 from keypush.planning.push_frame import push_direction
@@ -16,6 +17,8 @@ from keypush.systems.staged_planner import StagedPlanner
 
 _HALF_WIDTH = 0.02
 """Half the finger's width and its lateral error, m."""
+_GOAL_RADIUS = 0.05
+"""How far before the goal a push may end, m."""
 _BAND = (0.012, 0.04)
 """Heights at which the pitched finger can touch, m; the lower is the contact's own."""
 
@@ -30,6 +33,7 @@ class ExpertPlanner(StagedPlanner):
     - object_com
     - goal
     - tool_pose
+    - arm_state
     - halted
     output_ports:
     - tool_action
@@ -44,6 +48,8 @@ class ExpertPlanner(StagedPlanner):
     ``goal``: vector of 2, goal xy in W in m.
 
     ``tool_pose``: abstract `RigidTransform`, X_WE in m.
+
+    ``arm_state``: vector of 14, measured joint positions (rad) and velocities (rad/s).
 
     ``halted``: vector of 1; above 0.5 the tool stops at its reference.
 
@@ -62,12 +68,13 @@ class ExpertPlanner(StagedPlanner):
     def __init__(
         self,
         p_OP: NDArray[np.float64],
+        arm: ArmKinematics,
         config: PlannerConfig,
         control: ControlConfig,
         policy_period: float,
     ) -> None:
-        """Args: surface points (N, 3) in O in m, stage constants, clips, period in s."""
-        super().__init__(config, control, policy_period)
+        """Args: surface points (N, 3) in O in m, the arm, stage constants, clips, period in s."""
+        super().__init__(arm, config, control, policy_period)
         self.set_name("expert_planner")
         self._p_OP_O = np.asarray(p_OP, dtype=float)
         self._period = policy_period
@@ -77,12 +84,14 @@ class ExpertPlanner(StagedPlanner):
         self._goal = self.DeclareVectorInputPort("goal", 2)
         self._declare_shared_ports()
 
-    def _aim(self, context: Context) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _aim(self, context: Context) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
         X_WO: RigidTransform = eval_abstract(self._object_pose, context)
         p_WOcm = eval_vector(self._object_com, context)
-        d_W = push_direction(p_WOcm, eval_vector(self._goal, context))
+        goal = eval_vector(self._goal, context)
+        d_W = push_direction(p_WOcm, goal)
         p_WP = self._p_OP_O @ X_WO.rotation().matrix().T + X_WO.translation()
-        return analytic_contact(p_WP, p_WOcm, d_W, _HALF_WIDTH, _BAND), d_W
+        distance = float(np.hypot(*(goal - p_WOcm[:2]))) - _GOAL_RADIUS
+        return analytic_contact(p_WP, p_WOcm, d_W, _HALF_WIDTH, _BAND), d_W, distance
 
     def _reset_offset(self, context: Context, state: PlanState) -> NDArray[np.float64] | None:
         period = self._config.reset_period

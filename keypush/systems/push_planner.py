@@ -4,10 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.systems.framework import Context
 
+from keypush.control.arm_kinematics import ArmKinematics
 from keypush.eval_ports import eval_vector
 from keypush.planning.push_frame import push_direction
 from keypush.scenario import ControlConfig, PlannerConfig
 from keypush.systems.staged_planner import StagedPlanner
+
+_GOAL_RADIUS = 0.05
+"""How far before the goal a push may end, m; the object's size shortens it further."""
 
 
 class PushPlanner(StagedPlanner):
@@ -19,6 +23,7 @@ class PushPlanner(StagedPlanner):
     - keypoint
     - goal
     - tool_pose
+    - arm_state
     - halted
     output_ports:
     - tool_action
@@ -32,6 +37,8 @@ class PushPlanner(StagedPlanner):
 
     ``tool_pose``: abstract `RigidTransform`, X_WE in m.
 
+    ``arm_state``: vector of 14, measured joint positions (rad) and velocities (rad/s).
+
     ``halted``: vector of 1; above 0.5 the tool stops at its reference.
 
     ``tool_action``: vector of 6, residual of the tool pose in W: translation in m, then
@@ -42,14 +49,21 @@ class PushPlanner(StagedPlanner):
     ``contact_target``: vector of 3, the contact in W in m that the action aims at; held.
     """
 
-    def __init__(self, config: PlannerConfig, control: ControlConfig, policy_period: float) -> None:
-        """Args: stage constants, clips of the action, period in s."""
-        super().__init__(config, control, policy_period)
+    def __init__(
+        self,
+        arm: ArmKinematics,
+        config: PlannerConfig,
+        control: ControlConfig,
+        policy_period: float,
+    ) -> None:
+        """Args: kinematics of the arm, stage constants, clips of the action, period in s."""
+        super().__init__(arm, config, control, policy_period)
         self.set_name("push_planner")
         self._keypoint = self.DeclareVectorInputPort("keypoint", 3)
         self._goal = self.DeclareVectorInputPort("goal", 2)
         self._declare_shared_ports()
 
-    def _aim(self, context: Context) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        p_WK = eval_vector(self._keypoint, context)
-        return p_WK, push_direction(p_WK, eval_vector(self._goal, context))
+    def _aim(self, context: Context) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+        p_WK, goal = eval_vector(self._keypoint, context), eval_vector(self._goal, context)
+        distance = float(np.hypot(*(goal - p_WK[:2]))) - _GOAL_RADIUS
+        return p_WK, push_direction(p_WK, goal), distance

@@ -8,8 +8,10 @@ from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, Context, EventStatus, LeafSystem, State
 
+from keypush.control.arm_kinematics import ArmKinematics
 from keypush.eval_ports import eval_abstract, eval_vector
 from keypush.planning.stages import PlanState, PushObservation, PushStages, Stage
+from keypush.robot.panda import NUM_JOINTS
 from keypush.scenario import ControlConfig, PlannerConfig
 
 _PLAN = slice(0, PlanState.SIZE)
@@ -24,11 +26,17 @@ class StagedPlanner(LeafSystem):
     controller, whose event is discrete, acts in the same policy step on the new action.
     """
 
-    def __init__(self, config: PlannerConfig, control: ControlConfig, policy_period: float) -> None:
-        """Args: stage constants, clips of the action, period in s."""
+    def __init__(
+        self,
+        arm: ArmKinematics,
+        config: PlannerConfig,
+        control: ControlConfig,
+        policy_period: float,
+    ) -> None:
+        """Args: kinematics of the arm, stage constants, clips of the action, period in s."""
         super().__init__()
         self._config = config
-        self._stages = PushStages(config, control, policy_period)
+        self._stages = PushStages(arm, config, control, policy_period)
         self._plan = self.DeclareDiscreteState(_TARGET.stop)
         self.DeclareInitializationUnrestrictedUpdateEvent(self._start)
         self.DeclarePeriodicUnrestrictedUpdateEvent(policy_period, 0.0, self._update)
@@ -36,6 +44,7 @@ class StagedPlanner(LeafSystem):
     def _declare_shared_ports(self) -> None:
         """Declares the ports that come after the planner's own inputs."""
         self._tool_pose = self.DeclareAbstractInputPort("tool_pose", Value(RigidTransform()))
+        self._arm_state = self.DeclareVectorInputPort("arm_state", 2 * NUM_JOINTS)
         self._halted = self.DeclareVectorInputPort("halted", 1)
         held = {self.discrete_state_ticket(self._plan)}
         self.DeclareVectorOutputPort("tool_action", 6, self._calc_action, prerequisites_of_calc=held)
@@ -45,8 +54,8 @@ class StagedPlanner(LeafSystem):
         )
 
     @abstractmethod
-    def _aim(self, context: Context) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Returns the contact p_WK (3,) and the push direction d_W (3,)."""
+    def _aim(self, context: Context) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+        """Returns the contact p_WK (3,), the direction d_W (3,) and how far to push, m."""
 
     def _reset_offset(self, context: Context, state: PlanState) -> NDArray[np.float64] | None:
         """Returns where to retreat to (2,), along d and to its left of K, if now."""
@@ -64,13 +73,20 @@ class StagedPlanner(LeafSystem):
 
     def _update(self, context: Context, state: State) -> EventStatus:
         plan = PlanState.from_vector(context.get_discrete_state(self._plan).value()[_PLAN])
-        X_WE = self._tool(context)
-        p_WK, d_W = self._aim(context)
-        halted = bool(eval_vector(self._halted, context)[0] > 0.5)
-        seen = PushObservation(X_WE, p_WK, d_W, halted, self._reset_offset(context, plan))
+        p_WK, d_W, distance = self._aim(context)
+        seen = PushObservation(
+            q=eval_vector(self._arm_state, context)[:NUM_JOINTS],
+            X_WE=self._tool(context),
+            p_WK=p_WK,
+            d_W=d_W,
+            distance=distance,
+            halted=bool(eval_vector(self._halted, context)[0] > 0.5),
+            reset_offset=self._reset_offset(context, plan),
+        )
         plan = self._stages.advance(plan, seen)
+        action = self._stages.action(plan, seen)
         state.get_mutable_discrete_state(self._plan).SetFromVector(
-            np.concatenate([plan.to_vector(), self._stages.action(plan, X_WE), p_WK])
+            np.concatenate([plan.to_vector(), action, p_WK])
         )
         return EventStatus.Succeeded()
 

@@ -1,0 +1,106 @@
+"""Which way to hold the tool for a push: turned left or right, and how steeply."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.math import RigidTransform, RotationMatrix
+
+from keypush.control.arm_kinematics import ArmKinematics
+from keypush.control.differential_ik import damped_least_squares
+from keypush.planning.push_frame import rotation_vector, tool_rotation
+
+Array = NDArray[np.float64]
+
+_ITERATIONS = 30
+_DAMPING = 1e-3
+_STEP = 0.4
+"""Longest joint step of an iteration, rad."""
+_MARGIN = 0.02
+"""Distance kept from the joint limits, rad."""
+_REACHED = 0.004
+"""Error below which a pose counts as reached, m (and rad, which weigh a tenth)."""
+_TURN_WEIGHT = 0.1
+
+
+@dataclass(frozen=True)
+class Posture:
+    """How the tool is held during a push."""
+
+    side: int
+    """+1: the finger row points to the left of the push; -1: to its right."""
+    pitch: float
+    """Angle of the tool's axis below the table plane, rad."""
+    height: float
+    """Height of the tool tip above the table over the point where it comes down, m."""
+
+
+def choose_posture(
+    arm: ArmKinematics,
+    q: Array,
+    d_W: Array,
+    waypoints: list[Array],
+    pitches: list[float],
+    heights: list[float],
+) -> Posture:
+    """Returns the first pitch and height at which the arm reaches all, with the better side.
+
+    The better side is the one whose first waypoint is nearer in joint space. If the arm
+    reaches nothing altogether, the posture with the least error is returned.
+
+    Args:
+        arm: kinematics.
+        q: (7,) joint positions to start from, rad.
+        d_W: (3,) horizontal unit vector of the push.
+        waypoints: (3,) positions of the tool in W: behind the contact, end of the push.
+        pitches: angles to try, the preferred one first, rad.
+        heights: heights over the first waypoint to come down from, likewise, m.
+    """
+    best, least = Posture(1, pitches[0], heights[0]), np.inf
+    for pitch in pitches:
+        for height in heights:
+            above = np.array([waypoints[0][0], waypoints[0][1], height])
+            reached = []
+            for side in (1, -1):
+                R_WE = tool_rotation(d_W, pitch, side)
+                error, travel = _try_waypoints(arm, q, [above, *waypoints], R_WE)
+                if error < _REACHED:
+                    reached.append((travel, side))
+                elif error < least:
+                    best, least = Posture(side, pitch, height), error
+            if reached:
+                return Posture(min(reached)[1], pitch, height)
+    return best
+
+
+def _try_waypoints(
+    arm: ArmKinematics, q: Array, waypoints: list[Array], R_WE: RotationMatrix
+) -> tuple[float, float]:
+    """Returns the worst error over the waypoints and the joint travel to the first one."""
+    worst, travel, start = 0.0, 0.0, q
+    for i, p_WE in enumerate(waypoints):
+        q, error = solve_ik(arm, q, RigidTransform(R_WE, p_WE))
+        worst = max(worst, error)
+        if i == 0:
+            travel = float(np.abs(q - start).max())
+    return worst, travel
+
+
+def solve_ik(arm: ArmKinematics, q: Array, X_WE: RigidTransform) -> tuple[Array, float]:
+    """Solves inverse kinematics from a start, by damped steps kept within the joint limits.
+
+    Returns:
+        Joint positions (7,) and what is left of the error, m (a tenth of it for rad).
+    """
+    lower, upper = arm.limits.lower + _MARGIN, arm.limits.upper - _MARGIN
+    error = np.inf
+    for _ in range(_ITERATIONS):
+        X_WNow = arm.tool_pose(q)
+        offset = X_WE.translation() - X_WNow.translation()
+        turn = rotation_vector(X_WNow.rotation(), X_WE.rotation())
+        error = float(np.linalg.norm(offset) + _TURN_WEIGHT * np.linalg.norm(turn))
+        if error < _REACHED / 2:
+            break
+        dq = damped_least_squares(arm.jacobian(q), np.concatenate([offset, turn]), _DAMPING)
+        q = np.clip(q + dq * min(1.0, _STEP / np.abs(dq).max()), lower, upper)
+    return q, error
