@@ -10,6 +10,7 @@ from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput, Ve
 from diagrams.station import MakePushStation, PushStation
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.objects.catalogue import make_object
+from keypush.objects.model import ObjectModel
 from keypush.scenario import Scenario
 from keypush.seeding import make_generator
 from keypush.systems.episode_logger import EpisodeLogger
@@ -23,6 +24,17 @@ if TYPE_CHECKING:  # the expert runs without torch, which takes seconds to impor
 
 _EXPERT_POINTS = 2000
 """Surface points that stand for the object"s geometry in the expert."""
+
+
+@dataclass(frozen=True)
+class PushPolicy:
+    """The systems that `add_policy` adds."""
+
+    goal: ConstantVectorSource
+    planner: ExpertPlanner | PushPlanner
+    monitor: EpisodeMonitor
+    log: VectorLogSink
+    predictor: KeypointPredictor | None
 
 
 @dataclass(frozen=True)
@@ -56,24 +68,7 @@ def MakePushDiagram(
     builder = DiagramBuilder()
     station = MakePushStation(scenario, model, visuals=meshcat is not None)
     builder.AddSystem(station.diagram)
-    goal = builder.AddSystem(ConstantVectorSource([0.0, 0.0]))
-    goal.set_name("goal")
-    monitor = builder.AddSystem(EpisodeMonitor(model.reference_points, scenario.episode))
-    planner: ExpertPlanner | PushPlanner
-    predictor = None
-    if scenario.policy == "expert":
-        planner = _add_expert(builder, station, goal, scenario)
-    else:
-        assert keypoint_model is not None, "a keypoint policy needs a keypoint model"
-        predictor, planner = _add_keypoint_policy(builder, station, goal, scenario, keypoint_model)
-    _connect(builder, station.diagram, planner, ["tool_pose", "arm_state"])
-    _connect(builder, station.diagram, monitor, ["object_pose", "object_com", "tool_pose"])
-    builder.Connect(goal.get_output_port(), monitor.GetInputPort("goal"))
-    builder.Connect(monitor.GetOutputPort("halted"), planner.GetInputPort("halted"))
-    builder.Connect(
-        planner.GetOutputPort("tool_action"), station.diagram.GetInputPort("tool_action")
-    )
-    log = _add_logger(builder, station, goal, planner, scenario.episode.policy_period)
+    policy = add_policy(builder, station.diagram, model, scenario, keypoint_model)
     visualizer = None
     if meshcat is not None:
         visualizer = MeshcatVisualizer.AddToBuilder(
@@ -84,7 +79,51 @@ def MakePushDiagram(
         )
     diagram = builder.Build()
     diagram.set_name("push")
-    return PushDiagram(diagram, station, goal, planner, monitor, log, predictor, visualizer)
+    return PushDiagram(
+        diagram,
+        station,
+        policy.goal,
+        policy.planner,
+        policy.monitor,
+        policy.log,
+        policy.predictor,
+        visualizer,
+    )
+
+
+def add_policy(
+    builder: DiagramBuilder,
+    station: Diagram,
+    model: ObjectModel,
+    scenario: Scenario,
+    keypoint_model: "KeypointModel | None" = None,
+) -> PushPolicy:
+    """Adds goal, policy, monitor and logger, and closes the loop around a station.
+
+    Args:
+        builder: holds the station.
+        station: has the ports of `MakePushStation`'s that the policy needs.
+        model: the object on the table.
+        scenario: all constants; `scenario.policy` says who drives.
+        keypoint_model: see `MakePushDiagram`.
+    """
+    goal = builder.AddSystem(ConstantVectorSource([0.0, 0.0]))
+    goal.set_name("goal")
+    monitor = builder.AddSystem(EpisodeMonitor(model.reference_points, scenario.episode))
+    planner: ExpertPlanner | PushPlanner
+    predictor = None
+    if scenario.policy == "expert":
+        planner = _add_expert(builder, station, model, goal, scenario)
+    else:
+        assert keypoint_model is not None, "a keypoint policy needs a keypoint model"
+        predictor, planner = _add_keypoint_policy(builder, station, goal, scenario, keypoint_model)
+    _connect(builder, station, planner, ["tool_pose", "arm_state"])
+    _connect(builder, station, monitor, ["object_pose", "object_com", "tool_pose"])
+    builder.Connect(goal.get_output_port(), monitor.GetInputPort("goal"))
+    builder.Connect(monitor.GetOutputPort("halted"), planner.GetInputPort("halted"))
+    builder.Connect(planner.GetOutputPort("tool_action"), station.GetInputPort("tool_action"))
+    log = _add_logger(builder, station, goal, planner, scenario.episode.policy_period)
+    return PushPolicy(goal, planner, monitor, log, predictor)
 
 
 def _connect(builder: DiagramBuilder, source: System, sink: System, names: list[str]) -> None:
@@ -94,9 +133,13 @@ def _connect(builder: DiagramBuilder, source: System, sink: System, names: list[
 
 
 def _add_expert(
-    builder: DiagramBuilder, station: PushStation, goal: ConstantVectorSource, scenario: Scenario
+    builder: DiagramBuilder,
+    station: Diagram,
+    model: ObjectModel,
+    goal: ConstantVectorSource,
+    scenario: Scenario,
 ) -> ExpertPlanner:
-    points = station.model.surface_points(_EXPERT_POINTS, make_generator(0, 0, "expert_points"))
+    points = model.surface_points(_EXPERT_POINTS, make_generator(0, 0, "expert_points"))
     planner = builder.AddSystem(
         ExpertPlanner(
             points,
@@ -106,14 +149,14 @@ def _add_expert(
             scenario.episode.policy_period,
         )
     )
-    _connect(builder, station.diagram, planner, ["object_pose", "object_com"])
+    _connect(builder, station, planner, ["object_pose", "object_com"])
     builder.Connect(goal.get_output_port(), planner.GetInputPort("goal"))
     return planner
 
 
 def _add_keypoint_policy(
     builder: DiagramBuilder,
-    station: PushStation,
+    station: Diagram,
     goal: ConstantVectorSource,
     scenario: Scenario,
     model: "KeypointModel",
@@ -121,9 +164,9 @@ def _add_keypoint_policy(
     period = scenario.episode.policy_period
     predictor = builder.AddSystem(KeypointPredictor(model, scenario.noise.cloud_points, period))
     planner = builder.AddSystem(PushPlanner(ArmKinematics(scenario.robot), scenario.planner, scenario.control, period))
-    _connect(builder, station.diagram, predictor, ["point_cloud", "tool_pose"])
+    _connect(builder, station, predictor, ["point_cloud", "tool_pose"])
     if model.uses_com:
-        _connect(builder, station.diagram, predictor, ["object_com"])
+        _connect(builder, station, predictor, ["object_com"])
     builder.Connect(goal.get_output_port(), predictor.GetInputPort("goal"))
     builder.Connect(goal.get_output_port(), planner.GetInputPort("goal"))
     _connect(builder, predictor, planner, ["keypoint"])
@@ -132,7 +175,7 @@ def _add_keypoint_policy(
 
 def _add_logger(
     builder: DiagramBuilder,
-    station: PushStation,
+    station: Diagram,
     goal: ConstantVectorSource,
     planner: ExpertPlanner | PushPlanner,
     period: float,
@@ -140,7 +183,7 @@ def _add_logger(
     logger = builder.AddSystem(EpisodeLogger())
     _connect(
         builder,
-        station.diagram,
+        station,
         logger,
         ["object_pose", "object_com", "tool_pose", "arm_state", "contact"],
     )
