@@ -1,0 +1,212 @@
+"""Scenarios: every constant has a range, YAML keeps them all, and mistakes are named."""
+
+import dataclasses
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from keypush.errors import UserError
+from keypush.scenario import Scenario, dump_scenario, load_scenario, parse_scenario
+
+NAMES = {"object.name", "predictor.weights"}
+"""Words that are checked where they are looked up."""
+GOAL = "episode.goal"
+"""Checked against the table, by tests of its own."""
+Field = dataclasses.Field[Any]
+
+
+def _fields(config: Any, prefix: str = "") -> Iterator[tuple[str, Field]]:
+    for spec in dataclasses.fields(config):
+        value = getattr(config, spec.name)
+        if dataclasses.is_dataclass(value):
+            yield from _fields(value, f"{prefix}{spec.name}.")
+        else:
+            yield f"{prefix}{spec.name}", spec
+
+
+FIELDS = dict(_fields(Scenario()))
+RANGED = {name: spec for name, spec in FIELDS.items() if "range" in spec.metadata}
+
+
+def _owner(scenario: Scenario, name: str) -> tuple[Any, str]:
+    config: Any = scenario
+    *groups, last = name.split(".")
+    for group in groups:
+        config = getattr(config, group)
+    return config, last
+
+
+def _get(scenario: Scenario, name: str) -> Any:
+    return getattr(*_owner(scenario, name))
+
+
+def _with(name: str, value: Any) -> Scenario:
+    """A scenario with one field changed; one entry, if the field is a list."""
+    scenario = Scenario()
+    config, last = _owner(scenario, name)
+    if "length" in FIELDS[name].metadata:
+        value = [*getattr(config, last)[:-1], value]
+    setattr(config, last, value)
+    return scenario
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_every_field_is_checked(name: str) -> None:
+    value = _get(Scenario(), name)
+    if name in NAMES | {GOAL} or isinstance(value, bool):
+        return
+    if isinstance(value, str):
+        assert value in FIELDS[name].metadata["allowed"]
+    else:
+        low, high = FIELDS[name].metadata["range"]
+        assert -math.inf < low < high < math.inf
+        if isinstance(value, list):
+            assert len(value) == FIELDS[name].metadata["length"]
+
+
+def test_the_defaults_are_allowed() -> None:
+    Scenario().validate()
+
+
+@pytest.mark.parametrize("name", RANGED)
+def test_a_number_out_of_range_is_refused_by_name(name: str) -> None:
+    low, high = RANGED[name].metadata["range"]
+    for allowed in (low, high):
+        _with(name, allowed).validate()
+    step = 1e-3 * (high - low)
+    for wrong in (low - step, high + step, math.nan, math.inf, -math.inf):
+        with pytest.raises(UserError, match=rf"^{name} is .*; allowed: .* to .*$"):
+            _with(name, wrong).validate()
+
+
+@pytest.mark.parametrize("name", [n for n, s in RANGED.items() if "length" in s.metadata])
+@pytest.mark.parametrize("change", [lambda v: v[1:], lambda v: [*v, 0.0], lambda _: []])
+def test_a_list_of_another_length_is_refused_by_name(name: str, change: Any) -> None:
+    scenario = Scenario()
+    config, last = _owner(scenario, name)
+    wrong = change(getattr(config, last))
+    setattr(config, last, wrong)
+    length = FIELDS[name].metadata["length"]
+    with pytest.raises(UserError, match=rf"^{name} has {len(wrong)} entries; allowed: {length}$"):
+        scenario.validate()
+
+
+@pytest.mark.parametrize("name", [n for n, s in FIELDS.items() if "allowed" in s.metadata])
+def test_a_word_that_is_no_choice_is_refused_by_name(name: str) -> None:
+    allowed = FIELDS[name].metadata["allowed"]
+    for word in allowed:
+        _with(name, word).validate()
+    with pytest.raises(UserError, match=f"^{name} is 'neither'; allowed: {', '.join(allowed)}$"):
+        _with(name, "neither").validate()
+
+
+@pytest.mark.parametrize(
+    "goal",
+    [[], [0.1], [0.1, 0.1, 0.1], [math.nan, 0.0], [0.0, math.inf], [0.17, 0.0], [0.0, -0.21]],
+)
+def test_a_goal_off_the_reachable_part_is_refused(goal: list[float]) -> None:
+    with pytest.raises(UserError, match=r"^episode\.goal is \[.*allowed.*0\.16 m .*0\.2 m"):
+        _with(GOAL, goal).validate()
+
+
+def test_the_reachable_part_follows_the_table() -> None:
+    parse_scenario("episode: {goal: [0.16, -0.2]}")
+    parse_scenario("{episode: {goal: [0.3, 0.0]}, table: {length: 1.0}}")
+    with pytest.raises(UserError, match=r"episode\.goal is \[0\.16, -0\.2\]"):
+        parse_scenario("{episode: {goal: [0.16, -0.2]}, table: {reachable: 0.5}}")
+
+
+def _value(spec: Field, default: Any) -> st.SearchStrategy[Any]:
+    if "allowed" in spec.metadata:
+        return st.sampled_from(spec.metadata["allowed"])
+    if "range" not in spec.metadata:
+        return st.just(default) if default is None else st.from_type(type(default))
+    low, high = spec.metadata["range"]
+    if isinstance(default, int):
+        return st.integers(low, high)
+    number = st.floats(low, high)
+    length = spec.metadata.get("length")
+    return number if length is None else st.lists(number, min_size=length, max_size=length)
+
+
+@st.composite
+def scenarios(draw: st.DrawFn) -> Scenario:
+    scenario = Scenario()
+    for name in draw(st.sets(st.sampled_from(sorted(FIELDS)), max_size=8)):
+        config, last = _owner(scenario, name)
+        setattr(config, last, draw(_value(FIELDS[name], getattr(config, last))))
+    return scenario
+
+
+@given(scenarios())
+def test_yaml_round_trip_keeps_every_bit(scenario: Scenario) -> None:
+    assert parse_scenario(dump_scenario(scenario)) == scenario
+
+
+def test_what_is_written_holds_every_field() -> None:
+    written = yaml.safe_load(dump_scenario(_with(GOAL, [0.0, 0.0])))
+    flat = {
+        f"{group}.{key}" if isinstance(value, dict) else group
+        for group, value in written.items()
+        for key in (value if isinstance(value, dict) else [""])
+    }
+    assert flat == set(FIELDS)
+
+
+def test_what_is_left_out_keeps_the_given_defaults() -> None:
+    defaults = parse_scenario("{seed: 7, object: {name: can, mass: 0.3}}")
+    before = dump_scenario(defaults)
+    scenario = parse_scenario("object: {mass: 0.2}", defaults=defaults)
+    assert (scenario.seed, scenario.object.name, scenario.object.mass) == (7, "can", 0.2)
+    scenario.robot.joint_damping[0] = 0.0
+    assert dump_scenario(defaults) == before
+
+
+def test_no_two_scenarios_share_a_list() -> None:
+    Scenario().robot.base_position[0] = 9.0
+    assert Scenario().robot.base_position == [-0.5, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("speed: 3", ["speed"]),
+        ("planner: {push_sped: 0.1}", ["push_sped"]),
+        ("seed: 1.5", ["seed", "1.5"]),
+        ("seed: true", ["seed", "True"]),
+        ("simulation: {arm_collision: 3}", ["arm_collision", "3"]),
+        ("object: {name: 3}", ["name", "3"]),
+        ("object: {mass: .inf}", ["object.mass is inf"]),
+        ("robot: {base_position: [1, 2]}", ["robot.base_position has 2 entries", "3"]),
+        ("a: b: c", ["line 1"]),
+        ("seed: !!python/object:os.system {}", ["python/object"]),
+        ("[1, 2]", ["mapping"]),
+        ("3", ["mapping"]),
+    ],
+)
+def test_a_mistake_is_one_line_that_names_file_and_field(
+    text: str, words: list[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(text)
+    with pytest.raises(UserError) as caught:
+        load_scenario(path)
+    message = str(caught.value)
+    assert str(path) in message
+    assert "\n" not in message
+    for word in words:
+        assert word in message
+
+
+def test_an_empty_file_is_the_defaults(tmp_path: Path) -> None:
+    path = tmp_path / "empty.yaml"
+    path.write_text("")
+    assert load_scenario(path) == Scenario()
+    with pytest.raises(UserError, match=r"absent\.yaml: cannot be read"):
+        load_scenario(tmp_path / "absent.yaml")

@@ -1,0 +1,96 @@
+"""Inverse kinematics and the choice of the tool's posture."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydrake.math import RigidTransform
+
+from keypush.planning.posture import choose_posture, solve_ik
+from keypush.planning.push_frame import rotation_vector, tool_rotation
+from keypush.scenario import PlannerConfig, RobotConfig
+from tests.control.arm import ARM, LIMITS, READY, Array, vectors
+
+ROBOT, PLANNER = RobotConfig(), PlannerConfig()
+LOW, HIGH = np.array(ROBOT.start_lower), np.array(ROBOT.start_upper)
+PITCH = float(np.deg2rad(PLANNER.pitch_deg))
+HEIGHTS = [PLANNER.approach_height, PLANNER.approach_height / 2]
+starts = vectors(7, 0.0, 1.0).map(lambda unit: LOW + unit * (HIGH - LOW))
+
+
+def test_poses_that_the_arm_has_are_found_from_elsewhere() -> None:
+    rng = np.random.default_rng(0)
+    found = 0
+    for q, goal in rng.uniform(LOW, HIGH, size=(300, 2, 7)):
+        X_WE = ARM.tool_pose(goal)
+        q_found, error = solve_ik(ARM, q, X_WE)
+        assert np.all((q_found > LIMITS.lower) & (q_found < LIMITS.upper))
+        X_WF = ARM.tool_pose(q_found)
+        offset = np.linalg.norm(X_WF.translation() - X_WE.translation())
+        turn = np.linalg.norm(rotation_vector(X_WF.rotation(), X_WE.rotation()))
+        if error < 0.005:
+            found += 1
+            assert offset < 0.005
+            assert turn < 0.05
+        else:
+            assert max(offset, turn) > 0.001
+    assert found >= 290
+
+
+def test_a_pose_out_of_reach_keeps_its_error_and_the_limits() -> None:
+    X_WE = RigidTransform(ARM.tool_pose(READY).rotation(), np.array([2.0, 0.0, 0.1]))
+    found, error = solve_ik(ARM, READY, X_WE)
+    missing = np.linalg.norm(ARM.tool_pose(found).translation() - X_WE.translation())
+    assert error > 1.0
+    assert missing > 1.0
+    assert np.all((found > LIMITS.lower) & (found < LIMITS.upper))
+
+
+@settings(max_examples=30)
+@given(st.floats(-np.pi, np.pi), vectors(2, -0.1, 0.1))
+def test_a_push_on_the_table_has_a_posture_that_the_arm_reaches(angle: float, xy: Array) -> None:
+    d_W = np.array([np.cos(angle), np.sin(angle), 0.0])
+    start = np.array([*xy, PLANNER.tool_height])
+    waypoints = [start, start + 0.05 * d_W]
+    posture = choose_posture(ARM, READY, d_W, waypoints, [PITCH, PITCH + 0.1], HEIGHTS)
+    assert posture.side in (1, -1)
+    assert posture.pitch in (PITCH, PITCH + 0.1)
+    assert posture.height in HEIGHTS
+    R_WE = tool_rotation(d_W, posture.pitch, posture.side)
+    q = READY
+    for p_WE in ([*xy, posture.height], *waypoints):
+        q, error = solve_ik(ARM, q, RigidTransform(R_WE, np.array(p_WE)))
+        assert error < 0.01
+
+
+def test_the_preferred_posture_is_taken_where_it_can_be() -> None:
+    d_W = np.array([1.0, 0.0, 0.0])
+    start = np.array([0.0, 0.0, PLANNER.tool_height])
+    waypoints = [start, start + 0.05 * d_W]
+    posture = choose_posture(ARM, READY, d_W, waypoints, [PITCH, PITCH + 0.1], HEIGHTS)
+    assert (posture.pitch, posture.height) == (PITCH, HEIGHTS[0])
+
+
+@pytest.mark.parametrize(("wrist", "nearer"), [(-1.2, 1), (1.2, -1)])
+def test_the_side_with_the_shorter_way_is_taken(wrist: float, nearer: int) -> None:
+    d_W = np.array([1.0, 0.0, 0.0])
+    start = np.array([0.0, 0.0, PLANNER.tool_height])
+    above = np.array([0.0, 0.0, HEIGHTS[0]])
+    q = READY.copy()
+    q[6] += wrist
+    ways = {}
+    for side in (1, -1):
+        there, error = solve_ik(ARM, q, RigidTransform(tool_rotation(d_W, PITCH, side), above))
+        assert error < 0.005
+        ways[side] = float(np.abs(there - q).max())
+    posture = choose_posture(ARM, q, d_W, [start, start + 0.05 * d_W], [PITCH], HEIGHTS[:1])
+    assert ways[nearer] < ways[-nearer]
+    assert posture.side == nearer
+
+
+def test_out_of_reach_the_least_bad_posture_is_taken() -> None:
+    d_W = np.array([1.0, 0.0, 0.0])
+    far = np.array([3.0, 0.0, PLANNER.tool_height])
+    posture = choose_posture(ARM, READY, d_W, [far, far + d_W], [PITCH], HEIGHTS[:1])
+    assert posture.side in (1, -1)
+    assert posture.pitch == PITCH
