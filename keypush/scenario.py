@@ -139,9 +139,9 @@ class SimulationConfig:
 
     integrator: str = _choice("cenic", INTEGRATORS)
     """Error-controlled CENIC, or the discrete `lagged` model as the reference."""
-    accuracy: float = _number(5e-3, 1e-8, 1.0)
+    accuracy: float = _number(1e-3, 1e-8, 1.0)
     """CENIC's accuracy."""
-    max_step: float = _number(0.05, 1e-5, 0.1)
+    max_step: float = _number(0.1, 1e-5, 0.1)
     """CENIC's longest step."""
     discrete_period: float = _number(1e-3, 1e-5, 0.02)
     """Time step of the discrete model."""
@@ -149,7 +149,7 @@ class SimulationConfig:
     """Of the gripper, Pa."""
     table_modulus: float = _number(5e7, 1e3, 1e11)
     """Of the table, Pa; an object on a softer one tips well inside its support polygon."""
-    table_margin: float = _number(1e-4, 0.0, 0.01)
+    table_margin: float = _number(1e-3, 0.0, 0.01)
     """Distance at which contact with the table is foreseen, m; without it long steps hop."""
     dissipation: float = _number(50.0, 0.0, 1e4)
     """Hunt-Crossley dissipation, s/m."""

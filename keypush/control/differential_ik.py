@@ -39,6 +39,23 @@ def damped_least_squares(J: Array, a: Array, damping: float) -> Array:
     return np.asarray(J.T @ np.linalg.solve(gram, a))
 
 
+def undamped_action(J: Array, a: Array, damping: float, largest_gain: float) -> Array:
+    """Returns the action (6,) whose damped least squares step moves the tool by a.
+
+    The damping shortens every singular direction of J by sigma^2 / (sigma^2 + damping), and
+    so bends straight lines; this undoes it, up to `largest_gain` near singularities.
+
+    Args:
+        J: (6, n) Jacobian.
+        a: (6,) wanted displacement of the tool, in the order of J's rows.
+        damping: lambda^2 of the damped least squares.
+        largest_gain: bound on the correction of every singular direction.
+    """
+    values, axes = np.linalg.eigh(J @ J.T)
+    gain = np.minimum(1 + damping / np.maximum(values, 1e-12), largest_gain)
+    return np.asarray(axes @ (gain * (axes.T @ a)))
+
+
 def solve_box_qp(J: Array, a: Array, damping: float, lower: Array, upper: Array) -> Array:
     """Minimises |J dq - a|^2 + damping |dq|^2 subject to lower <= dq <= upper, with OSQP.
 

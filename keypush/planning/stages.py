@@ -6,16 +6,16 @@ lag allows, which differs between integrators; a moving reference arrives at the
 time whatever the lag.
 """
 
-from dataclasses import dataclass, replace
-from enum import IntEnum
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.common.eigen_geometry import AngleAxis, Quaternion
+from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.math import RigidTransform, RotationMatrix
 
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.control.differential_ik import undamped_action
+from keypush.planning.plan_state import UNDECIDED, PlanState, PushObservation, Stage
 from keypush.planning.posture import Posture, choose_posture
 from keypush.planning.push_frame import left_of, rotation_vector, tool_rotation
 from keypush.scenario import ControlConfig, PlannerConfig
@@ -24,18 +24,24 @@ Array = NDArray[np.float64]
 
 _APPROACH_TOLERANCE = 0.015
 _TURN_TOLERANCE = 0.12
-_SETTLE_HEIGHT_TOLERANCE = 0.004
+_SETTLE_HEIGHT_TOLERANCE = 0.002
 _SETTLE_TOLERANCE = 0.008
-_SETTLE_STEPS = 12
+_SETTLE_STEPS = 15
 _ARRIVED = 0.003
 _REAPPROACH_STEPS = 3
 _LOW_PATH_BEHIND = 0.02
 _LOW_PATH_BESIDE = 0.06
 _RETREAT_STEPS = 15
-_START_ABOVE = 0.003
-"""A push starts this much above its height and sinks, at most `_SINK` per policy step."""
-_SINK = 0.003
-_LARGEST_GAIN = 3.0
+_START_ABOVE = 0.005
+"""A push starts this much above its height, m."""
+_SCRAPE = 0.0025
+"""How far below its height the tool may be before it must rise, m."""
+_PUSH_LEAD = 0.012
+"""How far ahead of the tool a push's reference may be, m: an arm that is held up would
+otherwise shoot forward later."""
+_PRESS = 0.003
+"""How far below the tool the reference of a push is, m: about 1 N downwards."""
+_LARGEST_GAIN = 2.0
 _STEEPER = np.deg2rad([0.0, 6.0])
 """Added to the pitch where the arm cannot reach the push otherwise; beyond this the palm
 would be ahead of the fingers and touch tall objects first."""
@@ -43,89 +49,6 @@ _LOWER = (1.0, 0.75, 0.5)
 """Shares of the approach height that are tried where the arm cannot reach higher."""
 _OVERHEAD = 0.04
 """Distance from the point of descent within which the tool may go below that height, m."""
-
-
-class Stage(IntEnum):
-    """What the tool is doing."""
-
-    RISE = 0
-    APPROACH = 1
-    DESCEND = 2
-    SETTLE = 3
-    PUSH = 4
-    RETREAT = 5
-    HALTED = 6
-
-
-UNDECIDED = Posture(0, 0.0, 0.0)
-"""Stands for a posture that is not chosen yet."""
-
-
-@dataclass(frozen=True)
-class PlanState:
-    """What a planner remembers between policy steps."""
-
-    stage: Stage
-    steps: int
-    """Policy steps spent in the stage."""
-    strikes: int
-    """Consecutive pushing steps with too large a lateral error."""
-    posture: Posture
-    """How the tool is held."""
-    R_WR: RotationMatrix
-    """Orientation of the reference R that the tool follows."""
-    p_WR: Array
-    """(3,) position of the reference."""
-    p_WT: Array
-    """(3,) where a retreat goes."""
-
-    SIZE = 16
-
-    def to_vector(self) -> Array:
-        """Packs the state for a Context."""
-        quaternion = self.R_WR.ToQuaternion().wxyz()
-        posture = [self.posture.side, self.posture.pitch, self.posture.height]
-        counts = [self.stage, self.steps, self.strikes]
-        return np.concatenate([counts, posture, quaternion, self.p_WR, self.p_WT])
-
-    @staticmethod
-    def from_vector(x: Array) -> "PlanState":
-        """Unpacks `to_vector`."""
-        return PlanState(
-            stage=Stage(round(x[0])),
-            steps=round(x[1]),
-            strikes=round(x[2]),
-            posture=Posture(round(x[3]), float(x[4]), float(x[5])),
-            R_WR=RotationMatrix(Quaternion(x[6:10])),
-            p_WR=np.array(x[10:13]),
-            p_WT=np.array(x[13:16]),
-        )
-
-    @staticmethod
-    def start(X_WE: RigidTransform) -> "PlanState":
-        """The state at the start of an episode: the reference is the tool itself."""
-        p_WE = X_WE.translation()
-        return PlanState(Stage.RISE, 0, 0, UNDECIDED, X_WE.rotation(), p_WE, p_WE)
-
-
-@dataclass(frozen=True)
-class PushObservation:
-    """What a planner sees at one policy step; all in W."""
-
-    q: Array
-    """(7,) joint positions, rad."""
-    X_WE: RigidTransform
-    """Tool pose."""
-    p_WK: Array
-    """(3,) contact point to push at."""
-    d_W: Array
-    """(3,) horizontal unit vector of the push."""
-    distance: float
-    """How far the contact still has to be pushed, m."""
-    halted: bool = False
-    """Whether the tool must stop."""
-    reset_offset: Array | None = None
-    """(2,) displacement from the contact, along d and to its left, of a wanted retreat."""
 
 
 class PushStages:
@@ -282,7 +205,11 @@ class PushStages:
             target, step = {
                 Stage.APPROACH: (self._above(state, seen), free),
                 Stage.DESCEND: (self._behind(seen), free / 2),
-                Stage.SETTLE: (self._behind(seen), free / 2),
+                # Integrates the error: the arm's targets are reached only in part.
+                Stage.SETTLE: (
+                    state.p_WR + 0.5 * (self._behind(seen) - seen.X_WE.translation()),
+                    free / 2,
+                ),
                 Stage.RETREAT: (state.p_WT, free / 2),
             }[state.stage]
         return self._step_towards(state, seen, target, step)
@@ -295,7 +222,8 @@ class PushStages:
         p_WR = target if distance <= step else state.p_WR + offset * (step / distance)
         # The reference must not run away from a tool that is held up.
         p_WE = seen.X_WE.translation()
-        return np.asarray(p_WE + np.clip(p_WR - p_WE, -self._lead, self._lead))
+        lead = _PUSH_LEAD if state.stage == Stage.PUSH else self._lead
+        return np.asarray(p_WE + np.clip(p_WR - p_WE, -lead, lead))
 
     def _push_target(self, state: PlanState, seen: PushObservation) -> Array:
         """One step ahead along d_W, steered towards the line through the contact."""
@@ -305,11 +233,18 @@ class PushStages:
         steer = np.clip(-self._config.lateral_gain * error / 0.01, -1.0, 1.0)
         heading = seen.d_W + steer * left
         target = state.p_WR + step * heading / np.linalg.norm(heading)
-        # Slowly down: a tool that rises drags the object up with it and tips it.
-        z = seen.X_WE.translation()[2]
-        drop = np.clip(self._config.tool_height - z, -_SINK, _SINK)
-        target[2] = z + drop
+        z = float(seen.X_WE.translation()[2])
+        target[2] = z + self._sink(z)
         return np.asarray(target)
+
+    def _sink(self, z: float) -> float:
+        """How much a pushing tool goes down, or up where it would scrape over the table.
+
+        A tool that rises drags the object up with it and tips it, so it comes from above
+        and keeps pressing down.
+        """
+        low = self._config.tool_height - _SCRAPE
+        return min(low - z, _PRESS) if z < low else -_PRESS
 
     def _turn(self, state: PlanState, seen: PushObservation) -> RotationMatrix:
         if state.stage == Stage.RETREAT:

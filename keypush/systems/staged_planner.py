@@ -10,7 +10,8 @@ from pydrake.systems.framework import BasicVector, Context, EventStatus, LeafSys
 
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.eval_ports import eval_abstract, eval_vector
-from keypush.planning.stages import PlanState, PushObservation, PushStages, Stage
+from keypush.planning.plan_state import PlanState, PushObservation
+from keypush.planning.stages import PushStages
 from keypush.robot.panda import NUM_JOINTS
 from keypush.scenario import ControlConfig, PlannerConfig
 
@@ -98,6 +99,3 @@ class StagedPlanner(LeafSystem):
 
     def _calc_target(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(context.get_discrete_state(self._plan).value()[_TARGET])
-
-
-__all__ = ["Stage", "StagedPlanner"]

@@ -1,0 +1,96 @@
+"""What a planner remembers between policy steps, and what it sees in one."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.math import RigidTransform, RotationMatrix
+
+from keypush.planning.posture import Posture
+
+Array = NDArray[np.float64]
+
+
+class Stage(IntEnum):
+    """What the tool is doing."""
+
+    RISE = 0
+    APPROACH = 1
+    DESCEND = 2
+    SETTLE = 3
+    PUSH = 4
+    RETREAT = 5
+    HALTED = 6
+
+
+UNDECIDED = Posture(0, 0.0, 0.0)
+"""Stands for a posture that is not chosen yet."""
+
+
+@dataclass(frozen=True)
+class PlanState:
+    """What a planner remembers between policy steps."""
+
+    stage: Stage
+    steps: int
+    """Policy steps spent in the stage."""
+    strikes: int
+    """Consecutive pushing steps with too large a lateral error."""
+    posture: Posture
+    """How the tool is held."""
+    R_WR: RotationMatrix
+    """Orientation of the reference R that the tool follows."""
+    p_WR: Array
+    """(3,) position of the reference."""
+    p_WT: Array
+    """(3,) where a retreat goes."""
+
+    SIZE = 16
+
+    def to_vector(self) -> Array:
+        """Packs the state for a Context."""
+        quaternion = self.R_WR.ToQuaternion().wxyz()
+        posture = [self.posture.side, self.posture.pitch, self.posture.height]
+        counts = [self.stage, self.steps, self.strikes]
+        return np.concatenate([counts, posture, quaternion, self.p_WR, self.p_WT])
+
+    @staticmethod
+    def from_vector(x: Array) -> "PlanState":
+        """Unpacks `to_vector`."""
+        return PlanState(
+            stage=Stage(round(x[0])),
+            steps=round(x[1]),
+            strikes=round(x[2]),
+            posture=Posture(round(x[3]), float(x[4]), float(x[5])),
+            R_WR=RotationMatrix(Quaternion(x[6:10])),
+            p_WR=np.array(x[10:13]),
+            p_WT=np.array(x[13:16]),
+        )
+
+    @staticmethod
+    def start(X_WE: RigidTransform) -> "PlanState":
+        """The state at the start of an episode: the reference is the tool itself."""
+        p_WE = X_WE.translation()
+        return PlanState(Stage.RISE, 0, 0, UNDECIDED, X_WE.rotation(), p_WE, p_WE)
+
+
+@dataclass(frozen=True)
+class PushObservation:
+    """What a planner sees at one policy step; all in W."""
+
+    q: Array
+    """(7,) joint positions, rad."""
+    X_WE: RigidTransform
+    """Tool pose."""
+    p_WK: Array
+    """(3,) contact point to push at."""
+    d_W: Array
+    """(3,) horizontal unit vector of the push."""
+    distance: float
+    """How far the contact still has to be pushed, m."""
+    halted: bool = False
+    """Whether the tool must stop."""
+    reset_offset: Array | None = None
+    """(2,) displacement from the contact, along d and to its left, of a wanted retreat."""
