@@ -28,4 +28,11 @@ def positions(beyond: float = 0.0) -> st.SearchStrategy[Array]:
     return vectors(7, 0.0, 1.0).map(lambda unit: low + unit * (high - low))
 
 
+starts = vectors(7, 0.0, 1.0).map(
+    lambda unit: (
+        np.array(RobotConfig().start_lower)
+        + unit * (np.array(RobotConfig().start_upper) - np.array(RobotConfig().start_lower))
+    )
+)
+"""Joint positions in the box of starts."""
 actions = vectors(6, -1.0, 1.0).map(lambda unit: unit * CLIP)

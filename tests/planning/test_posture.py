@@ -15,7 +15,6 @@ ROBOT, PLANNER = RobotConfig(), PlannerConfig()
 LOW, HIGH = np.array(ROBOT.start_lower), np.array(ROBOT.start_upper)
 PITCH = float(np.deg2rad(PLANNER.pitch_deg))
 HEIGHTS = [PLANNER.approach_height, PLANNER.approach_height / 2]
-starts = vectors(7, 0.0, 1.0).map(lambda unit: LOW + unit * (HIGH - LOW))
 
 
 def test_poses_that_the_arm_has_are_found_from_elsewhere() -> None:

@@ -1,0 +1,239 @@
+"""The stages of a push, with a tool that follows its reference exactly, and with others."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydrake.math import RigidTransform, RotationMatrix
+
+from keypush.control.differential_ik import damped_least_squares
+from keypush.planning.plan_state import PlanState, PushObservation, Stage
+from keypush.planning.posture import Posture
+from keypush.planning.push_frame import left_of, rotation_vector, tool_rotation
+from tests.control.arm import ARM, CLIP, Array, starts, vectors
+from tests.planning.ideal_tool import (
+    CONFIG,
+    CONTROL,
+    PERIOD,
+    STAGES,
+    IdealTool,
+    Step,
+    missed_by,
+    reset_by,
+)
+
+CONTACT = np.array([0.02, 0.05, 0.012])
+GOALS = [np.array(g) for g in ([0.15, 0.05], [0.02, -0.15], [-0.1, -0.05], [0.12, 0.18])]
+ORDER = [Stage.RISE, Stage.APPROACH, Stage.DESCEND, Stage.SETTLE, Stage.PUSH]
+
+
+@pytest.fixture(scope="module", params=range(len(GOALS)))
+def episode(request: pytest.FixtureRequest) -> list[Step]:
+    """From the start until the tool has pushed for ten steps."""
+    tool = IdealTool(CONTACT, GOALS[request.param])
+    steps = tool.run(Stage.PUSH)
+    return steps + [tool.step() for _ in range(10)]
+
+
+def test_the_stages_follow_their_order(episode: list[Step]) -> None:
+    stages = [step.before.stage for step in episode] + [episode[-1].after.stage]
+    assert [stage for stage, _ in itertools.groupby(stages)] == ORDER
+
+
+def test_the_reference_keeps_its_speeds(episode: list[Step]) -> None:
+    for step in episode:
+        pushing = step.after.stage == Stage.PUSH
+        speed = CONFIG.push_speed if pushing else CONFIG.free_speed
+        moved = np.linalg.norm(step.after.p_WR - step.before.p_WR)
+        assert moved <= speed * PERIOD + 1e-9
+        turned = np.linalg.norm(rotation_vector(step.before.R_WR, step.after.R_WR))
+        assert turned <= CONFIG.turn_rate * PERIOD + 1e-9
+
+
+def test_the_tool_pushes_straight_at_the_goal(episode: list[Step]) -> None:
+    pushes = [step for step in episode if step.before.stage == Stage.PUSH]
+    assert len(pushes) >= 10
+    for step in pushes:
+        moved = step.after.p_WR - step.before.p_WR
+        assert moved @ step.seen.d_W > 0.8 * CONFIG.push_speed * PERIOD
+        off_line = (step.after.p_WR - CONTACT) @ left_of(step.seen.d_W)
+        assert abs(off_line) < CONFIG.reapproach_error
+        R_WE = tool_rotation(step.seen.d_W, step.after.posture.pitch, step.after.posture.side)
+        assert np.linalg.norm(rotation_vector(step.after.R_WR, R_WE)) < 0.2
+    heights = [step.after.p_WR[2] for step in pushes]
+    assert max(heights) < CONFIG.tool_height + 0.01
+    assert min(heights) > 0.0
+
+
+def test_the_tool_comes_down_behind_the_contact_and_nowhere_else(episode: list[Step]) -> None:
+    for step in episode:
+        offset = step.after.p_WR - step.seen.p_WK
+        if step.after.stage in (Stage.RISE, Stage.APPROACH):
+            assert step.after.p_WR[2] > 0.04
+        elif step.after.stage in (Stage.DESCEND, Stage.SETTLE):
+            assert offset @ step.seen.d_W < -0.5 * CONFIG.approach_margin
+            assert abs(offset @ left_of(step.seen.d_W)) < 0.03
+
+
+def test_the_action_moves_the_arm_towards_the_reference(episode: list[Step]) -> None:
+    """What the action makes of the arm, by the controller's rule, is the wanted motion."""
+    followed = 0
+    for step in episode:
+        X_WE, after = step.seen.X_WE, step.after
+        offset = after.p_WR - X_WE.translation()
+        wanted = np.concatenate([offset, rotation_vector(X_WE.rotation(), after.R_WR)])
+        wanted *= CONFIG.tracking_gain
+        assert np.all(np.abs(wanted) <= CLIP + 1e-9)
+        J = ARM.jacobian(step.seen.q)
+        moved = J @ damped_least_squares(J, step.action, CONTROL.damping)
+        assert np.linalg.norm(moved) <= np.linalg.norm(wanted) + 1e-9
+        followed += bool(np.linalg.norm(moved - wanted) < 0.15 * np.linalg.norm(wanted) + 1e-3)
+    assert followed > 0.8 * len(episode)
+
+
+def _pushing() -> IdealTool:
+    tool = IdealTool(CONTACT, GOALS[0])
+    tool.run(Stage.PUSH)
+    tool.step()
+    return tool
+
+
+@pytest.mark.parametrize("stage", [Stage.RISE, Stage.APPROACH, Stage.DESCEND, Stage.PUSH])
+def test_a_halt_stops_the_reference_for_good(stage: Stage) -> None:
+    tool = IdealTool(CONTACT, GOALS[0])
+    tool.run(stage)
+    p_WR, R_WR = tool.state.p_WR, tool.state.R_WR
+    step = tool.step(lambda _, seen: replace(seen, halted=True))
+    assert step.after.stage == Stage.HALTED
+    steps = [step, *(tool.step() for _ in range(3))]
+    for step in steps:
+        assert step.after.stage == Stage.HALTED
+        np.testing.assert_array_equal(step.after.p_WR, p_WR)
+        assert step.after.R_WR.IsExactlyEqualTo(R_WR)
+    np.testing.assert_allclose(steps[-1].action, np.zeros(6), atol=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_missed_contact_makes_the_tool_let_go_and_come_again(sign: float) -> None:
+    tool = _pushing()
+    miss = missed_by(sign * 3 * CONFIG.reapproach_error)
+    for _ in range(20):
+        step = tool.step(miss)
+        if step.after.stage == Stage.RETREAT:
+            break
+    else:
+        pytest.fail("the tool did not let go")
+    p_WE, d_W = step.seen.X_WE.translation(), step.seen.d_W
+    assert (step.after.p_WT - p_WE) @ d_W < -0.5 * CONFIG.approach_margin
+    assert step.after.p_WT[2] < 0.03
+    tool.run(Stage.PUSH)
+
+
+def test_one_step_beside_the_contact_is_no_miss() -> None:
+    tool = _pushing()
+    tool.step(missed_by(3 * CONFIG.reapproach_error))
+    for _ in range(10):
+        assert tool.step().after.stage == Stage.PUSH
+
+
+@pytest.mark.parametrize("offset", [(-0.05, 0.0), (-0.06, 0.04), (-0.04, -0.04)])
+def test_a_reset_retreats_to_its_offset_and_comes_again(offset: tuple[float, float]) -> None:
+    tool = _pushing()
+    step = tool.step(reset_by(*offset))
+    assert step.after.stage == Stage.RETREAT
+    forward, left = offset
+    expected = step.seen.p_WK + forward * step.seen.d_W + left * left_of(step.seen.d_W)
+    np.testing.assert_allclose(step.after.p_WT[:2], expected[:2], atol=1e-12)
+    arrived = []
+    while tool.state.stage == Stage.RETREAT:
+        arrived.append(tool.step())
+        assert len(arrived) < 50
+    off = arrived[-1].seen.X_WE.translation() - step.after.p_WT
+    assert np.linalg.norm(off) <= 0.02
+    tool.run(Stage.PUSH)
+
+
+def test_a_reset_is_for_pushing_only() -> None:
+    tool = IdealTool(CONTACT, GOALS[0])
+    tool.run(Stage.APPROACH)
+    assert tool.step(reset_by(-0.05, 0.0)).after.stage == Stage.APPROACH
+
+
+def test_advance_is_a_pure_function() -> None:
+    tool = _pushing()
+    state, seen = tool.state, tool.see()
+    p_WR, p_WK, q = state.p_WR.copy(), seen.p_WK.copy(), seen.q.copy()
+    first = STAGES.advance(state, seen)
+    STAGES.advance(first, replace(seen, p_WK=seen.p_WK + 0.01))
+    second = STAGES.advance(state, seen)
+    assert first.to_vector().tobytes() == second.to_vector().tobytes()
+    action = STAGES.action(first, seen)
+    assert STAGES.action(first, seen).tobytes() == action.tobytes()
+    for now, then in ((state.p_WR, p_WR), (seen.p_WK, p_WK), (seen.q, q)):
+        np.testing.assert_array_equal(now, then)
+
+
+states = st.builds(
+    PlanState,
+    stage=st.sampled_from([s for s in Stage if s != Stage.HALTED]),
+    steps=st.integers(0, 300),
+    strikes=st.integers(0, 3),
+    posture=st.builds(
+        Posture, st.sampled_from([1, -1]), st.just(np.pi / 3), st.just(CONFIG.approach_height)
+    ),
+    R_WR=starts.map(lambda q: ARM.tool_pose(q).rotation()),
+    p_WR=vectors(3, -0.3, 0.3),
+    p_WT=vectors(3, -0.3, 0.3),
+)
+
+
+@given(states)
+def test_the_state_survives_its_way_through_a_context(state: PlanState) -> None:
+    packed = state.to_vector()
+    assert packed.shape == (PlanState.SIZE,)
+    again = PlanState.from_vector(packed)
+    for name in ("stage", "steps", "strikes", "posture"):
+        assert getattr(again, name) == getattr(state, name)
+    assert isinstance(again.stage, Stage)
+    np.testing.assert_allclose(again.R_WR.matrix(), state.R_WR.matrix(), atol=1e-12)
+    np.testing.assert_array_equal(again.p_WR, state.p_WR)
+    np.testing.assert_array_equal(again.p_WT, state.p_WT)
+
+
+def test_the_reference_starts_at_the_tool() -> None:
+    X_WE = RigidTransform(RotationMatrix.MakeYRotation(0.3), np.array([0.1, 0.2, 0.3]))
+    state = PlanState.start(X_WE)
+    assert state.stage == Stage.RISE
+    np.testing.assert_array_equal(state.p_WR, X_WE.translation())
+    assert state.R_WR.IsExactlyEqualTo(X_WE.rotation())
+
+
+@settings(max_examples=50)
+@given(states, starts, vectors(2, -0.15, 0.15), st.floats(-np.pi, np.pi))
+def test_the_reference_never_runs_away_from_the_tool(
+    state: PlanState, q: Array, xy: Array, angle: float
+) -> None:
+    """Wherever tool and reference are: no action is clipped, and so none is bent."""
+    d_W = np.array([np.cos(angle), np.sin(angle), 0.0])
+    seen = PushObservation(q, ARM.tool_pose(q), np.array([*xy, 0.012]), d_W, 0.1)
+    after = STAGES.advance(state, seen)
+    lead = np.abs(after.p_WR - seen.X_WE.translation())
+    assert np.all(CONFIG.tracking_gain * lead <= CONTROL.max_translation + 1e-9)
+    if after.stage != Stage.RETREAT:  # which keeps the orientation that it began with
+        turn = np.linalg.norm(rotation_vector(seen.X_WE.rotation(), after.R_WR))
+        assert CONFIG.tracking_gain * turn <= CONTROL.max_rotation + 1e-9
+    assert np.all(np.isfinite(STAGES.action(after, seen)))
+
+
+def test_a_tool_that_is_held_up_is_waited_for() -> None:
+    tool = IdealTool(CONTACT, GOALS[0])
+    tool.run(Stage.APPROACH)
+    X_WE, q = tool.X_WE, tool.q
+    for _ in range(30):
+        step = tool.step()
+        tool.X_WE, tool.q = X_WE, q
+    assert step.after.stage == Stage.APPROACH
+    assert np.all(np.abs(step.after.p_WR - X_WE.translation()) <= CONTROL.max_translation)

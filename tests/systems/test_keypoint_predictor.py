@@ -1,0 +1,158 @@
+"""KeypointPredictor: predictions at 10 Hz; what is not finite is held back and reported."""
+
+import logging
+from typing import override
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Context
+
+from keypush.learning.predict import KeypointModel
+from keypush.systems.keypoint_predictor import KeypointPredictor
+from tests.systems.contract import assert_pure, assert_resets, ports
+
+PERIOD, POINTS = 0.1, 16
+CLOUD = np.random.default_rng(0).normal(size=(POINTS, 3))
+GOAL, COM = np.array([0.1, -0.05]), np.array([0.01, 0.02, 0.03])
+X_WE = RigidTransform(RollPitchYaw(3.0, 0.2, -1.0), np.array([0.1, 0.2, 0.3]))
+Vector = NDArray[np.floating]
+
+
+class SpyModel(KeypointModel):
+    """The cloud's centroid; remembers what it was asked, and how often."""
+
+    def __init__(self) -> None:
+        self.calls: list[tuple[Vector, Vector, Vector | None, Vector]] = []
+
+    @property
+    @override
+    def uses_com(self) -> bool:
+        return True
+
+    @override
+    def predict(
+        self, cloud_W: Vector, goal_W: Vector, com_W: Vector | None, hand: Vector
+    ) -> NDArray[np.float64]:
+        com = None if com_W is None else com_W.copy()
+        self.calls.append((cloud_W.copy(), goal_W.copy(), com, hand.copy()))
+        return np.asarray(cloud_W.mean(axis=0), dtype=float)
+
+
+class Scene:
+    """A predictor alone, its inputs fixed."""
+
+    def __init__(self, com: NDArray[np.float64] | None = COM) -> None:
+        self.model = SpyModel()
+        self.predictor = KeypointPredictor(self.model, POINTS, PERIOD)
+        self.simulator = Simulator(self.predictor)
+        self.context: Context = self.simulator.get_mutable_context()
+        self.see(CLOUD)
+        self.predictor.GetInputPort("goal").FixValue(self.context, GOAL)
+        self.predictor.GetInputPort("tool_pose").FixValue(self.context, X_WE)
+        if com is not None:
+            self.predictor.GetInputPort("object_com").FixValue(self.context, com)
+
+    def see(self, cloud: NDArray[np.float64]) -> None:
+        self.predictor.GetInputPort("point_cloud").FixValue(self.context, cloud.ravel())
+
+    def output(self, name: str) -> NDArray[np.float64]:
+        return np.array(self.predictor.GetOutputPort(name).Eval(self.context))
+
+
+def test_ports() -> None:
+    assert ports(Scene().predictor) == {
+        "in": {"point_cloud": 3 * POINTS, "goal": 2, "tool_pose": None, "object_com": 3},
+        "out": {"keypoint": 3, "rejected": 1},
+    }
+
+
+def test_outputs_are_pure_and_the_context_resets() -> None:
+    scene = Scene()
+    scene.simulator.AdvanceTo(0.25)
+    asked = len(scene.model.calls)
+    assert_pure(scene.predictor, scene.context)
+    assert len(scene.model.calls) == asked
+    assert_resets(scene.predictor, scene.context)
+
+
+def test_the_model_sees_cloud_goal_com_and_hand() -> None:
+    scene = Scene()
+    scene.simulator.Initialize()
+    cloud, goal, com, hand = scene.model.calls[0]
+    R_WE = X_WE.rotation().matrix()
+    np.testing.assert_array_equal(cloud, CLOUD)
+    np.testing.assert_array_equal(goal, GOAL)
+    np.testing.assert_array_equal(com, COM)
+    np.testing.assert_array_equal(hand, [*X_WE.translation(), *R_WE[:, 0], *R_WE[:, 1]])
+
+
+def test_the_centre_of_mass_may_be_unknown() -> None:
+    scene = Scene(com=None)
+    scene.simulator.AdvanceTo(0.15)
+    assert all(com is None for _, _, com, _ in scene.model.calls)
+    np.testing.assert_allclose(scene.output("keypoint"), CLOUD.mean(axis=0))
+
+
+def test_a_keypoint_is_there_at_once_and_held_for_one_policy_step() -> None:
+    scene = Scene()
+    scene.simulator.Initialize()
+    np.testing.assert_allclose(scene.output("keypoint"), CLOUD.mean(axis=0))
+    scene.simulator.AdvanceTo(0.01)
+    asked = len(scene.model.calls)
+    for time in (0.03, 0.06, 0.0999):
+        scene.see(CLOUD + time)
+        scene.simulator.AdvanceTo(time)
+        np.testing.assert_allclose(scene.output("keypoint"), CLOUD.mean(axis=0))
+    assert len(scene.model.calls) == asked
+    scene.simulator.AdvanceTo(0.11)
+    np.testing.assert_allclose(scene.output("keypoint"), (CLOUD + 0.0999).mean(axis=0))
+    scene.simulator.AdvanceTo(2.05)
+    assert len(scene.model.calls) == asked + 20
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_what_is_not_finite_is_held_back_counted_and_logged(
+    bad: float, caplog: pytest.LogCaptureFixture
+) -> None:
+    scene = Scene()
+    scene.simulator.AdvanceTo(0.15)
+    scene.see(np.where(np.arange(POINTS)[:, np.newaxis] == 3, bad, CLOUD))
+    with caplog.at_level(logging.WARNING):
+        scene.simulator.AdvanceTo(0.45)
+    np.testing.assert_allclose(scene.output("keypoint"), CLOUD.mean(axis=0))
+    assert scene.output("rejected") == 3
+    assert [r.getMessage() for r in caplog.records] == [
+        f"prediction at {t} s is not finite: held" for t in (0.2, 0.3, 0.4)
+    ]
+    scene.see(CLOUD + 1.0)
+    scene.simulator.AdvanceTo(0.55)
+    np.testing.assert_allclose(scene.output("keypoint"), (CLOUD + 1.0).mean(axis=0))
+    assert scene.output("rejected") == 3
+
+
+def test_a_new_episode_counts_anew() -> None:
+    scene = Scene()
+    scene.simulator.AdvanceTo(0.15)
+    scene.see(np.full((POINTS, 3), np.nan))
+    scene.simulator.AdvanceTo(0.25)
+    assert scene.output("rejected") == 1
+    scene.see(CLOUD)
+    scene.context.SetTime(0.0)
+    scene.simulator.Initialize()
+    assert scene.output("rejected") == 0
+
+
+def test_without_a_first_keypoint_the_simulation_fails() -> None:
+    scene = Scene()
+    scene.see(np.full((POINTS, 3), np.nan))
+    with pytest.raises(RuntimeError, match="first prediction is not finite"):
+        scene.simulator.Initialize()
+
+
+def test_an_input_without_a_wire_is_named() -> None:
+    predictor = KeypointPredictor(SpyModel(), POINTS, PERIOD)
+    with pytest.raises(RuntimeError, match="'tool_pose' is not connected"):
+        predictor.predict(predictor.CreateDefaultContext())
