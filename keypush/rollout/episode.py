@@ -1,5 +1,6 @@
 """EpisodeRunner: runs episodes of one scenario in one diagram, reset between them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import Context
+from pydrake.systems.primitives import VectorLog
 
 from diagrams.push_diagram import MakePushDiagram, PushDiagram
 from keypush.rollout.start import EpisodeStart, StartSampler
@@ -116,7 +118,8 @@ class EpisodeRunner:
             "steps": int(verdict[1]),
             "final_position": np.array(self._object_position(context)),
         }
-        return EpisodeResult(summary, self._rows(context, keys), context.get_time())
+        rows = split_rows(self.push.log.FindLog(context), keys)
+        return EpisodeResult(summary, rows, context.get_time())
 
     def _object_position(self, context: Context) -> NDArray[np.float64]:
         station = self.push.station
@@ -124,24 +127,30 @@ class EpisodeRunner:
         X_WO = station.plant.EvalBodyPoseInWorld(plant_context, station.object_body)
         return np.asarray(X_WO.translation())
 
-    def _rows(self, context: Context, keys: dict[str, object]) -> dict[str, NDArray[np.generic]]:
-        log = self.push.log.FindLog(context)
-        data = log.data().T
-        count = len(data)
-        rows: dict[str, NDArray[np.generic]] = {
-            "object": np.full(count, keys["object"]),
-            "size_ratio": np.full(count, keys["size_ratio"], dtype=np.float64),
-            "seed": np.full(count, keys["seed"], dtype=np.int64),
-            "episode": np.full(count, keys["episode"], dtype=np.int32),
-            "step": np.arange(count, dtype=np.int32),
-            "time": np.array(log.sample_times()),
-        }
-        column = 0
-        for name, size in ROW_COLUMNS.items():
-            block = np.ascontiguousarray(data[:, column : column + size])
-            rows[name] = block[:, 0].astype(np.int8) if name == "stage" else block
-            column += size
-        return rows
+
+def split_rows(log: VectorLog, keys: Mapping[str, object]) -> dict[str, NDArray[np.generic]]:
+    """Splits what the episode's log holds into the columns of the `rows` table.
+
+    Args:
+        log: samples of `EpisodeLogger`'s port.
+        keys: object, size_ratio, seed and episode, which every row repeats.
+    """
+    data = log.data().T
+    count = len(data)
+    rows: dict[str, NDArray[np.generic]] = {
+        "object": np.full(count, keys["object"]),
+        "size_ratio": np.full(count, keys["size_ratio"], dtype=np.float64),
+        "seed": np.full(count, keys["seed"], dtype=np.int64),
+        "episode": np.full(count, keys["episode"], dtype=np.int32),
+        "step": np.arange(count, dtype=np.int32),
+        "time": np.array(log.sample_times()),
+    }
+    column = 0
+    for name, size in ROW_COLUMNS.items():
+        block = np.ascontiguousarray(data[:, column : column + size])
+        rows[name] = block[:, 0].astype(np.int8) if name == "stage" else block
+        column += size
+    return rows
 
 
 def simulator_config(config: SimulationConfig) -> SimulatorConfig:
