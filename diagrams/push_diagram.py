@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
 from pydrake.systems.framework import Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput, VectorLogSink
@@ -107,9 +108,11 @@ def add_policy(
         scenario: all constants; `scenario.policy` says who drives.
         keypoint_model: see `MakePushDiagram`.
     """
-    goal = builder.AddSystem(ConstantVectorSource([0.0, 0.0]))
+    goal = ConstantVectorSource(np.zeros(2))
     goal.set_name("goal")
-    monitor = builder.AddSystem(EpisodeMonitor(model.reference_points, scenario.episode))
+    monitor = EpisodeMonitor(model.reference_points, scenario.episode)
+    builder.AddSystem(goal)
+    builder.AddSystem(monitor)
     planner: ExpertPlanner | PushPlanner
     predictor = None
     if scenario.policy == "expert":
@@ -140,15 +143,14 @@ def _add_expert(
     scenario: Scenario,
 ) -> ExpertPlanner:
     points = model.surface_points(_EXPERT_POINTS, make_generator(0, 0, "expert_points"))
-    planner = builder.AddSystem(
-        ExpertPlanner(
-            points,
-            ArmKinematics(scenario.robot),
-            scenario.planner,
-            scenario.control,
-            scenario.episode.policy_period,
-        )
+    planner = ExpertPlanner(
+        points,
+        ArmKinematics(scenario.robot),
+        scenario.planner,
+        scenario.control,
+        scenario.episode.policy_period,
     )
+    builder.AddSystem(planner)
     _connect(builder, station, planner, ["object_pose", "object_com"])
     builder.Connect(goal.get_output_port(), planner.GetInputPort("goal"))
     return planner
@@ -162,8 +164,11 @@ def _add_keypoint_policy(
     model: "KeypointModel",
 ) -> tuple[KeypointPredictor, PushPlanner]:
     period = scenario.episode.policy_period
-    predictor = builder.AddSystem(KeypointPredictor(model, scenario.noise.cloud_points, period))
-    planner = builder.AddSystem(PushPlanner(ArmKinematics(scenario.robot), scenario.planner, scenario.control, period))
+    predictor = KeypointPredictor(model, scenario.noise.cloud_points, period)
+    arm = ArmKinematics(scenario.robot)
+    planner = PushPlanner(arm, scenario.planner, scenario.control, period)
+    builder.AddSystem(predictor)
+    builder.AddSystem(planner)
     _connect(builder, station, predictor, ["point_cloud", "tool_pose"])
     if model.uses_com:
         _connect(builder, station, predictor, ["object_com"])

@@ -98,9 +98,8 @@ def _add_poses(
     model: ObjectModel,
 ) -> StationPoses:
     X_HE = panda.tool_frame.GetFixedPoseInBodyFrame()
-    poses = builder.AddSystem(
-        StationPoses(body.index(), panda.tool_body.index(), X_HE, model.p_OoOcm_O)
-    )
+    poses = StationPoses(body.index(), panda.tool_body.index(), X_HE, model.p_OoOcm_O)
+    builder.AddSystem(poses)
     builder.Connect(plant.get_body_poses_output_port(), poses.GetInputPort("body_poses"))
     return poses
 
@@ -110,9 +109,9 @@ def _add_point_cloud_sensor(
 ) -> PointCloudSensor:
     generator = make_generator(scenario.seed, 0, f"surface_points:{model.name}")
     p_OP = model.surface_points(scenario.noise.cloud_points, generator)
-    sensor = builder.AddSystem(
-        PointCloudSensor(p_OP, scenario.noise.cloud_deviation, scenario.episode.policy_period)
-    )
+    period = scenario.episode.policy_period
+    sensor = PointCloudSensor(p_OP, scenario.noise.cloud_deviation, period)
+    builder.AddSystem(sensor)
     builder.Connect(poses.GetOutputPort("object_pose"), sensor.GetInputPort("object_pose"))
     return sensor
 
@@ -123,7 +122,8 @@ def _add_control(
     period = scenario.episode.policy_period
     arm = ArmKinematics(scenario.robot)
     controller = builder.AddSystem(DifferentialIkController(arm, scenario.control, period))
-    noise = builder.AddSystem(TorqueNoise(NUM_JOINTS, scenario.noise.torque_deviation, period))
+    noise = TorqueNoise(NUM_JOINTS, scenario.noise.torque_deviation, period)
+    builder.AddSystem(noise)
     builder.Connect(
         plant.get_state_output_port(panda.instance), controller.GetInputPort("arm_state")
     )

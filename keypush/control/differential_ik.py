@@ -72,8 +72,10 @@ def solve_box_qp(J: Array, a: Array, damping: float, lower: Array, upper: Array)
     program.AddQuadraticCost(hessian, -2 * J.T @ a, dq, is_convex=True)
     program.AddBoundingBoxConstraint(lower, upper, dq)
     options = SolverOptions()
-    for name, value in (("eps_abs", 1e-9), ("eps_rel", 1e-9), ("max_iter", 20_000), ("polishing", 0)):
-        options.SetOption(OsqpSolver.id(), name, value)
+    for name in ("eps_abs", "eps_rel"):
+        options.SetOption(OsqpSolver.id(), name, 1e-9)
+    options.SetOption(OsqpSolver.id(), "max_iter", 20_000)
+    options.SetOption(OsqpSolver.id(), "polishing", 0)
     result = OsqpSolver().Solve(program, None, options)
     if not result.is_success():
         raise RuntimeError(f"differential IK: OSQP ended with {result.get_solution_result()}")

@@ -6,12 +6,14 @@ lag allows, which differs between integrators; a moving reference arrives at the
 time whatever the lag.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.eigen_geometry import AngleAxis
-from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.math import RotationMatrix
 
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.control.differential_ik import undamped_action
@@ -91,17 +93,16 @@ class PushStages:
             return self._enter(state, Stage.HALTED)
         if state.posture == UNDECIDED:
             state = replace(state, posture=self._choose_posture(seen))
-        choose = {
+        choose: dict[Stage, Callable[[PlanState, PushObservation], PlanState]] = {
             Stage.RISE: self._after_rise,
             Stage.APPROACH: self._after_approach,
             Stage.DESCEND: self._after_descend,
             Stage.SETTLE: self._after_settle,
             Stage.PUSH: self._after_push,
             Stage.RETREAT: self._after_retreat,
-            Stage.HALTED: lambda state, seen: state,
-        }[state.stage]
-        chosen = choose(replace(state, steps=state.steps + 1), seen)
-        return chosen
+            Stage.HALTED: lambda state, _: state,
+        }
+        return choose[state.stage](replace(state, steps=state.steps + 1), seen)
 
     @staticmethod
     def _enter(state: PlanState, stage: Stage) -> PlanState:
@@ -118,9 +119,7 @@ class PushStages:
 
     def _after_rise(self, state: PlanState, seen: PushObservation) -> PlanState:
         if seen.X_WE.translation()[2] > self._config.approach_height - 0.02:
-            return replace(
-                self._enter(state, Stage.APPROACH), posture=self._choose_posture(seen)
-            )
+            return replace(self._enter(state, Stage.APPROACH), posture=self._choose_posture(seen))
         return state
 
     def _after_approach(self, state: PlanState, seen: PushObservation) -> PlanState:
@@ -260,4 +259,5 @@ def _turn_towards(R_WA: RotationMatrix, R_WB: RotationMatrix, step: float) -> Ro
     angle = float(np.linalg.norm(vector))
     if angle <= step:
         return R_WB
-    return RotationMatrix(AngleAxis(step, vector / angle)) @ R_WA
+    turn = RotationMatrix(AngleAxis(step, vector / angle))
+    return cast(RotationMatrix, turn.multiply(R_WA))

@@ -52,7 +52,7 @@ class StartSampler:
         for _ in range(_TRIES):
             xy = rng.uniform(-half, half)
             yaw = RollPitchYaw(0.0, 0.0, rng.uniform(-np.pi, np.pi))
-            X_WO = RigidTransform(yaw, [*xy, self._model.rest_height])
+            X_WO = RigidTransform(yaw, np.array([*xy, self._model.rest_height]))
             goal = rng.uniform(-half, half) if config.goal is None else np.array(config.goal)
             far = np.hypot(*(goal - xy)) >= config.goal_min_distance
             if far and self._on_table(X_WO, table):
@@ -63,9 +63,9 @@ class StartSampler:
         )
 
     def _on_table(self, X_WO: RigidTransform, table: TableConfig) -> bool:
-        vertices = X_WO @ self._model.vertices.T
+        p_WV = self._model.vertices @ X_WO.rotation().matrix().T + X_WO.translation()
         half = np.array([table.length, table.width]) / 2
-        return bool(np.all(np.abs(vertices[:2]) <= half[:, np.newaxis]))
+        return bool(np.all(np.abs(p_WV[:, :2]) <= half))
 
     def _arm_positions(self, rng: np.random.Generator, p_WO: Array) -> Array:
         robot = self._scenario.robot

@@ -63,14 +63,16 @@ class DifferentialIkController(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(policy_period, 0.0, self._update)
 
     def _hold(self, context: Context, state: DiscreteValues) -> EventStatus:
-        state.set_value(0, eval_vector(self._state, context)[: NUM_JOINTS])
+        state.set_value(0, eval_vector(self._state, context)[:NUM_JOINTS])
         return EventStatus.Succeeded()
 
     def _update(self, context: Context, state: DiscreteValues) -> EventStatus:
-        q = eval_vector(self._state, context)[: NUM_JOINTS]
+        q = eval_vector(self._state, context)[:NUM_JOINTS]
         action = np.clip(eval_vector(self._action, context), -self._clip, self._clip)
         lower, upper = self._arm.limits.step_bounds(q, self._period)
-        dq = solve_differential_ik(self._arm.jacobian(q), action, self._config.damping, lower, upper)
+        dq = solve_differential_ik(
+            self._arm.jacobian(q), action, self._config.damping, lower, upper
+        )
         state.set_value(0, q + dq)
         return EventStatus.Succeeded()
 

@@ -74,9 +74,7 @@ class EpisodeMonitor(LeafSystem):
     below the table top fell. On success the simulation runs on until the settled test.
     """
 
-    def __init__(
-        self, p_OR: NDArray[np.float64], config: EpisodeConfig
-    ) -> None:
+    def __init__(self, p_OR: NDArray[np.float64], config: EpisodeConfig) -> None:
         """Args: reference points (N, 3) in O in m; what counts as success and when to stop."""
         super().__init__()
         self.set_name("episode_monitor")
@@ -162,13 +160,11 @@ class EpisodeMonitor(LeafSystem):
         )
 
     def _reference_heights(self, X_WO: RigidTransform) -> NDArray[np.float64]:
-        return np.asarray(
-            self._p_OR_O @ X_WO.rotation().matrix()[2] + X_WO.translation()[2]
-        )
+        return np.asarray(self._p_OR_O @ X_WO.rotation().matrix()[2] + X_WO.translation()[2])
 
     def _calc_halted(self, context: Context, output: BasicVector) -> None:
         reached = context.get_discrete_state(0).value()[_OUTCOME] == Outcome.SUCCESS
-        output.SetFromVector([float(reached)])
+        output.SetFromVector(np.array([float(reached)]))
 
     def _calc_verdict(self, context: Context, output: BasicVector) -> None:
         values = context.get_discrete_state(0).value()

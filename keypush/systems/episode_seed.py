@@ -10,14 +10,16 @@ SEED_PARAMETER = 0
 
 def declare_episode_seed(system: LeafSystem) -> None:
     """Declares the parameter [seed, episode]; must be the system's first parameter."""
-    index = system.DeclareNumericParameter(BasicVector([0.0, 0.0]))
+    index = system.DeclareNumericParameter(BasicVector(np.zeros(2)))
     if index != SEED_PARAMETER:
         raise RuntimeError(f"{system.get_name()}: seed parameter has index {index}")
 
 
 def set_episode_seed(context: Context, seed: int, episode: int) -> None:
     """Sets the parameter in a system's context."""
-    context.get_mutable_numeric_parameter(SEED_PARAMETER).SetFromVector([seed, episode])
+    context.get_mutable_numeric_parameter(SEED_PARAMETER).SetFromVector(
+        np.array([seed, episode], dtype=float)
+    )
 
 
 def episode_generator(context: Context, purpose: str, step: int) -> np.random.Generator:

@@ -9,8 +9,8 @@ from pydrake.systems.framework import Context
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.eval_ports import eval_abstract, eval_vector
 from keypush.planning.contact import analytic_contact
-from keypush.planning.push_frame import push_direction
 from keypush.planning.plan_state import PlanState, Stage
+from keypush.planning.push_frame import push_direction
 from keypush.scenario import ControlConfig, PlannerConfig
 from keypush.systems.episode_seed import declare_episode_seed, episode_generator, policy_step
 from keypush.systems.staged_planner import StagedPlanner

@@ -59,8 +59,7 @@ class KeypointPredictor(LeafSystem):
         self._goal = self.DeclareVectorInputPort("goal", 2)
         self._tool_pose = self.DeclareAbstractInputPort("tool_pose", Value(RigidTransform()))
         self._com = self.DeclareVectorInputPort("object_com", 3)
-        self._held = self.DeclareDiscreteState(4)
-        held = {self.discrete_state_ticket(self._held)}
+        held = {self.discrete_state_ticket(self.DeclareDiscreteState(4))}
         self.DeclareVectorOutputPort("keypoint", 3, self._calc_keypoint, prerequisites_of_calc=held)
         self.DeclareVectorOutputPort("rejected", 1, self._calc_rejected, prerequisites_of_calc=held)
         self.DeclareInitializationUnrestrictedUpdateEvent(self._start)
@@ -79,22 +78,22 @@ class KeypointPredictor(LeafSystem):
         keypoint = self.predict(context)
         if not np.all(np.isfinite(keypoint)):
             return EventStatus.Failed(self, f"first prediction is not finite: {keypoint}")
-        state.get_mutable_discrete_state(self._held).SetFromVector(np.append(keypoint, 0.0))
+        state.get_mutable_discrete_state(0).SetFromVector(np.append(keypoint, 0.0))
         return EventStatus.Succeeded()
 
     def _update(self, context: Context, state: State) -> EventStatus:
-        held = np.array(context.get_discrete_state(self._held).value())
+        held = np.array(context.get_discrete_state(0).value())
         keypoint = self.predict(context)
         if np.all(np.isfinite(keypoint)):
             held[:3] = keypoint
         else:
             held[3] += 1
             _log.warning("prediction at %.1f s is not finite: held", context.get_time())
-        state.get_mutable_discrete_state(self._held).SetFromVector(held)
+        state.get_mutable_discrete_state(0).SetFromVector(held)
         return EventStatus.Succeeded()
 
     def _calc_keypoint(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(context.get_discrete_state(self._held).value()[:3])
+        output.SetFromVector(context.get_discrete_state(0).value()[:3])
 
     def _calc_rejected(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(context.get_discrete_state(self._held).value()[3:])
+        output.SetFromVector(context.get_discrete_state(0).value()[3:])

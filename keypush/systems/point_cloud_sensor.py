@@ -31,9 +31,7 @@ class PointCloudSensor(LeafSystem):
     [seed, episode]); the system has no state.
     """
 
-    def __init__(
-        self, p_OP: NDArray[np.float64], deviation: float, policy_period: float
-    ) -> None:
+    def __init__(self, p_OP: NDArray[np.float64], deviation: float, policy_period: float) -> None:
         """Args: surface points (N, 3) in O in m; noise in m; period of the noise in s."""
         super().__init__()
         self.set_name("point_cloud_sensor")

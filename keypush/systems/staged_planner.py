@@ -38,7 +38,7 @@ class StagedPlanner(LeafSystem):
         super().__init__()
         self._config = config
         self._stages = PushStages(arm, config, control, policy_period)
-        self._plan = self.DeclareDiscreteState(_TARGET.stop)
+        self._held = {self.discrete_state_ticket(self.DeclareDiscreteState(_TARGET.stop))}
         self.DeclareInitializationUnrestrictedUpdateEvent(self._start)
         self.DeclarePeriodicUnrestrictedUpdateEvent(policy_period, 0.0, self._update)
 
@@ -47,18 +47,23 @@ class StagedPlanner(LeafSystem):
         self._tool_pose = self.DeclareAbstractInputPort("tool_pose", Value(RigidTransform()))
         self._arm_state = self.DeclareVectorInputPort("arm_state", 2 * NUM_JOINTS)
         self._halted = self.DeclareVectorInputPort("halted", 1)
-        held = {self.discrete_state_ticket(self._plan)}
-        self.DeclareVectorOutputPort("tool_action", 6, self._calc_action, prerequisites_of_calc=held)
-        self.DeclareVectorOutputPort("stage", 1, self._calc_stage, prerequisites_of_calc=held)
         self.DeclareVectorOutputPort(
-            "contact_target", 3, self._calc_target, prerequisites_of_calc=held
+            "tool_action", 6, self._calc_action, prerequisites_of_calc=self._held
+        )
+        self.DeclareVectorOutputPort("stage", 1, self._calc_stage, prerequisites_of_calc=self._held)
+        self.DeclareVectorOutputPort(
+            "contact_target", 3, self._calc_target, prerequisites_of_calc=self._held
         )
 
     @abstractmethod
     def _aim(self, context: Context) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
         """Returns the contact p_WK (3,), the direction d_W (3,) and how far to push, m."""
 
-    def _reset_offset(self, context: Context, state: PlanState) -> NDArray[np.float64] | None:
+    def _reset_offset(  # a hook: only the expert looks at its arguments
+        self,
+        context: Context,  # noqa: ARG002
+        state: PlanState,  # noqa: ARG002
+    ) -> NDArray[np.float64] | None:
         """Returns where to retreat to (2,), along d and to its left of K, if now."""
         return None
 
@@ -69,11 +74,11 @@ class StagedPlanner(LeafSystem):
     def _start(self, context: Context, state: State) -> EventStatus:
         values = np.zeros(_TARGET.stop)
         values[_PLAN] = PlanState.start(self._tool(context)).to_vector()
-        state.get_mutable_discrete_state(self._plan).SetFromVector(values)
+        state.get_mutable_discrete_state(0).SetFromVector(values)
         return EventStatus.Succeeded()
 
     def _update(self, context: Context, state: State) -> EventStatus:
-        plan = PlanState.from_vector(context.get_discrete_state(self._plan).value()[_PLAN])
+        plan = PlanState.from_vector(context.get_discrete_state(0).value()[_PLAN])
         p_WK, d_W, distance = self._aim(context)
         seen = PushObservation(
             q=eval_vector(self._arm_state, context)[:NUM_JOINTS],
@@ -86,16 +91,16 @@ class StagedPlanner(LeafSystem):
         )
         plan = self._stages.advance(plan, seen)
         action = self._stages.action(plan, seen)
-        state.get_mutable_discrete_state(self._plan).SetFromVector(
+        state.get_mutable_discrete_state(0).SetFromVector(
             np.concatenate([plan.to_vector(), action, p_WK])
         )
         return EventStatus.Succeeded()
 
     def _calc_action(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(context.get_discrete_state(self._plan).value()[_ACTION])
+        output.SetFromVector(context.get_discrete_state(0).value()[_ACTION])
 
     def _calc_stage(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(context.get_discrete_state(self._plan).value()[:1])
+        output.SetFromVector(context.get_discrete_state(0).value()[:1])
 
     def _calc_target(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(context.get_discrete_state(self._plan).value()[_TARGET])
+        output.SetFromVector(context.get_discrete_state(0).value()[_TARGET])

@@ -1,6 +1,7 @@
 """StationPoses: picks tool pose, object pose and COM out of the plant's body poses."""
 
 from collections.abc import Callable
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,25 +60,28 @@ class StationPoses(LeafSystem):
         self.DeclareVectorOutputPort("object_com", 3, self._calc_object_com)
         self._declare_pose("tool_pose", self._calc_tool_pose)
 
-    def _declare_pose(self, name: str, calc: Callable[[Context, Value], None]) -> None:
+    def _declare_pose(self, name: str, calc: Callable[[Any, Any], None]) -> None:
         self.DeclareAbstractOutputPort(
-            name, lambda: Value(RigidTransform()), calc, prerequisites_of_calc={self._poses.ticket()}
+            name,
+            lambda: Value(RigidTransform()),
+            calc,
+            prerequisites_of_calc={self._poses.ticket()},
         )
 
     def set_com(self, context: Context, p_OoOcm_O: NDArray[np.float64]) -> None:
         """Sets the centre of mass (3,) in O of this system's context."""
         context.get_mutable_numeric_parameter(COM_PARAMETER).SetFromVector(p_OoOcm_O)
 
-    def _X_WO(self, context: Context) -> RigidTransform:
-        X_WO: RigidTransform = eval_abstract(self._poses, context)[self._object]
-        return X_WO
+    def _object_pose(self, context: Context) -> RigidTransform:
+        return cast(RigidTransform, eval_abstract(self._poses, context)[self._object])
 
-    def _calc_object_pose(self, context: Context, output: Value) -> None:
-        output.set_value(self._X_WO(context))
+    def _calc_object_pose(self, context: Context, output: Any) -> None:
+        output.set_value(self._object_pose(context))
 
     def _calc_object_com(self, context: Context, output: BasicVector) -> None:
         p_OoOcm_O = context.get_numeric_parameter(COM_PARAMETER).value()
-        output.SetFromVector(self._X_WO(context) @ p_OoOcm_O)
+        X_WO = self._object_pose(context)
+        output.SetFromVector(X_WO.rotation().matrix() @ p_OoOcm_O + X_WO.translation())
 
-    def _calc_tool_pose(self, context: Context, output: Value) -> None:
+    def _calc_tool_pose(self, context: Context, output: Any) -> None:
         output.set_value(eval_abstract(self._poses, context)[self._hand] @ self._X_HE)
