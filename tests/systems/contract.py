@@ -49,8 +49,9 @@ def _bytes(value: Any) -> bytes:
 
 
 def evaluate(system: System, port: str, context: Context) -> Any:
-    """The value of one output port."""
-    return system.GetOutputPort(port).Eval(context)
+    """The value of one output port; a copy, as Drake may hand out its own cache."""
+    value = system.GetOutputPort(port).Eval(context)
+    return RigidTransform(value) if isinstance(value, RigidTransform) else value
 
 
 def assert_pure(system: System, context: Context) -> None:
