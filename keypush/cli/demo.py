@@ -3,20 +3,10 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from keypush.cli.options import Policy, ScenarioOptions, resolve_scenario
 from keypush.cli.output import prepare_output_dir, save_scenario, write_output
-
-if TYPE_CHECKING:
-    from keypush.rollout.episode import EpisodeResult
-
-_OUTCOMES = {
-    "success": "reached the goal",
-    "toppled": "toppled",
-    "fell": "fell off the table",
-    "timed_out": "did not reach the goal in time",
-}
 
 
 @dataclass(kw_only=True)
@@ -40,17 +30,18 @@ class Demo(ScenarioOptions):
         """Runs the verb."""
         scenario = resolve_scenario(self, object__name=self.object, policy=self.policy)
         out = prepare_output_dir(self.out)
-        from keypush.rollout.episode import EpisodeRunner
+        from keypush.recording.narration import final_distance
+        from keypush.recording.recorder import record_episode
 
-        result = EpisodeRunner(scenario).run(episode=0)
+        recording = record_episode(scenario)
+        summary = {
+            **recording.result.summary,
+            "final_distance": final_distance(recording.result),
+            "simulated_seconds": recording.result.seconds,
+        }
         save_scenario(scenario, out)
-        write_output(
-            out / "summary.json", json.dumps(result.summary, indent=2, default=list) + "\n"
-        )
-        print(_tell(result))
-
-
-def _tell(result: "EpisodeResult") -> str:
-    summary = result.summary
-    after = f"after {summary['steps']} policy steps ({result.seconds:.1f} s simulated)"
-    return f"The {summary['object']} {_OUTCOMES[str(summary['outcome'])]} {after}."
+        write_output(out / "summary.json", json.dumps(summary, indent=2, default=list) + "\n")
+        page = out / "recording.html"
+        write_output(page, recording.html)
+        print(recording.narration)
+        print(f"To watch it, open {page.resolve()} in a browser.")

@@ -1,0 +1,67 @@
+"""An episode's outcome in plain words."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from keypush.objects.catalogue import CATALOGUE
+from keypush.rollout.episode import EpisodeResult
+from keypush.scenario import Scenario
+
+_POLICIES = {
+    "keypoint": "a trained network predicts the keypoint from the noisy cloud",
+    "expert": "the analytic expert, which knows the true pose and shape, chooses the contact",
+    "centroid": "no learning: the keypoint is the centroid of the noisy cloud",
+}
+_FAILURES = {
+    "toppled": "the {object} toppled",
+    "fell": "the {object} fell off the table",
+    "timed_out": "time ran out",
+}
+
+
+@dataclass(frozen=True)
+class Narration:
+    """What happened, in words."""
+
+    title: str
+    policy: str
+    outcome: str
+
+    def __str__(self) -> str:
+        """The whole story, one sentence a line."""
+        return "\n".join([self.title, self.policy, self.outcome])
+
+
+def narrate(scenario: Scenario, result: EpisodeResult) -> Narration:
+    """Tells which object was pushed, by whom, and how it ended."""
+    name = scenario.object.name
+    shown = name.replace("_", " ")
+    seen = CATALOGUE[name].split == "train"
+    shape = "a shape of the training set" if seen else "a shape never seen in training"
+    return Narration(
+        title=f"A Franka Panda pushes the {shown}, {shape}.",
+        policy=f"Policy: {scenario.policy} ({_POLICIES[scenario.policy]}).",
+        outcome=_outcome(scenario, result, shown),
+    )
+
+
+def final_distance(result: EpisodeResult) -> float:
+    """Returns the distance in m, in xy, of the object's origin from the goal at the end."""
+    position = np.asarray(result.summary["final_position"])[:2]
+    return float(np.linalg.norm(position - result.rows["goal"][-1]))
+
+
+def _outcome(scenario: Scenario, result: EpisodeResult, shown: str) -> str:
+    summary = result.summary
+    steps = f"after {summary['steps']} policy steps"
+    seconds = float(str(summary["steps"])) * scenario.episode.policy_period
+    distance = f"{100 * final_distance(result):.1f} cm from the goal's centre"
+    allowed = f"{100 * scenario.episode.goal_radius:g} cm allowed"
+    if not summary["success"]:
+        cause = _FAILURES[str(summary["outcome"])].format(object=shown)
+        return f"Goal not reached: {cause} {steps} ({seconds:.1f} s), {distance} ({allowed})."
+    end = f"the {shown} was {distance} ({allowed})"
+    if summary["settled_success"]:
+        return f"Goal reached {steps} ({seconds:.1f} s); at the end, at rest and upright, {end}."
+    return f"Goal reached {steps} ({seconds:.1f} s), but not held: at the end {end}."

@@ -1,0 +1,90 @@
+"""Runs one episode and turns it into a page to watch."""
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.geometry import Meshcat, MeshcatParams
+
+from keypush.recording.narration import Narration, narrate
+from keypush.recording.observations import animate_clouds, animate_keypoint, measured_clouds
+from keypush.recording.page import dress_page
+from keypush.recording.scenery import add_scenery
+from keypush.rollout.episode import EpisodeResult, EpisodeRunner
+from keypush.scenario import Scenario
+
+
+@dataclass(frozen=True)
+class Recording:
+    """An episode and its page."""
+
+    result: EpisodeResult
+    """The same, bit for bit, as without recording."""
+    narration: Narration
+    html: str
+    """A self-contained page that plays the episode."""
+
+
+def record_episode(scenario: Scenario, episode: int = 0) -> Recording:
+    """Runs an episode while Meshcat records it.
+
+    One frame per policy step: more would change the steps of the integrator. The browser
+    interpolates between frames. No browser and no network are needed; Meshcat listens on a
+    port of localhost until this function returns.
+
+    Raises:
+        UserError: see `EpisodeRunner`.
+        RuntimeError: the simulation failed, or no port is free.
+    """
+    meshcat = _make_meshcat()
+    runner = EpisodeRunner(scenario, meshcat)
+    visualizer = runner.push.visualizer
+    assert visualizer is not None
+    visualizer.StartRecording(set_transforms_while_recording=False)
+    result = runner.run(episode)
+    visualizer.StopRecording()
+    _add_observations(meshcat, runner, result, episode)
+    narration = narrate(scenario, result)
+    meshcat.PublishRecording()
+    return Recording(result, narration, dress_page(meshcat.StaticHtml(), narration))
+
+
+def _add_observations(
+    meshcat: Meshcat, runner: EpisodeRunner, result: EpisodeResult, episode: int
+) -> None:
+    scenario, rows = runner.scenario, result.rows
+    goal = np.asarray(rows["goal"][0], dtype=float)
+    add_scenery(meshcat, scenario, goal)
+    clouds = measured_clouds(
+        runner.push.station.point_cloud_sensor,
+        np.asarray(rows["time"], dtype=float),
+        np.asarray(rows["object_pose"], dtype=float),
+        scenario.seed,
+        episode,
+    )
+    animation = meshcat.get_mutable_recording()
+    animate_clouds(meshcat, animation, clouds)
+    # A row is logged before the planner acts on it: its keypoint stands in the next row.
+    targets = np.asarray(rows["target"], dtype=float)
+    animate_keypoint(meshcat, animation, np.concatenate([targets[1:], targets[-1:]]), goal)
+
+
+def _make_meshcat() -> Meshcat:
+    params = MeshcatParams()
+    params.host = "localhost"
+    with _quiet_drake():
+        return Meshcat(params)
+
+
+@contextmanager
+def _quiet_drake() -> Iterator[None]:
+    """Keeps Drake from announcing an address that nobody needs."""
+    logger = logging.getLogger("drake")
+    level = logger.level
+    logger.setLevel(logging.WARNING)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)

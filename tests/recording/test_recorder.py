@@ -1,0 +1,61 @@
+"""Recording an episode: it changes nothing, and shows what the policy saw."""
+
+from functools import cache
+from html import escape
+
+import numpy as np
+
+from keypush.recording.observations import measured_clouds
+from keypush.recording.recorder import Recording, record_episode
+from keypush.rollout.episode import EpisodeResult, EpisodeRunner
+from keypush.scenario import Scenario, parse_scenario
+
+EPISODE = 3
+
+
+@cache
+def scenario() -> Scenario:
+    return parse_scenario("{policy: centroid, seed: 4, episode: {max_steps: 25}}")
+
+
+@cache
+def unrecorded() -> tuple[EpisodeRunner, EpisodeResult]:
+    runner = EpisodeRunner(scenario())
+    return runner, runner.run(EPISODE)
+
+
+@cache
+def recorded() -> Recording:
+    return record_episode(scenario(), EPISODE)
+
+
+def test_rows_are_the_same_bit_for_bit_as_without_recording() -> None:
+    with_page, without = recorded().result, unrecorded()[1]
+    assert with_page.rows.keys() == without.rows.keys()
+    for name, column in without.rows.items():
+        assert with_page.rows[name].tobytes() == column.tobytes(), name
+    assert with_page.seconds == without.seconds
+    assert str(with_page.summary) == str(without.summary)
+
+
+def test_clouds_on_the_page_are_those_that_the_policy_saw() -> None:
+    runner, result = unrecorded()
+    rows = {name: np.asarray(result.rows[name], dtype=float) for name in ("time", "object_pose")}
+    sensor = runner.push.station.point_cloud_sensor
+    clouds = measured_clouds(sensor, rows["time"], rows["object_pose"], 4, EPISODE)
+    centroids = np.mean(clouds, axis=1)
+    # The keypoint is the centroid of this step's or, as a predictor may take a step, of the
+    # last step's cloud; the next row holds it.
+    keypoints = np.asarray(result.rows["target"], dtype=float)[2:]
+    now, before = centroids[1:-1], centroids[:-2]
+    errors = [np.abs(keypoints - seen).max(axis=1) for seen in (now, before)]
+    assert np.min(errors, axis=0).max() < 1e-12
+    assert np.abs(now - before).max() > 1e-5
+
+
+def test_page_holds_title_story_and_no_unfilled_part() -> None:
+    html = recorded().html
+    assert "<title>keypush: A Franka Panda pushes the mug" in html
+    assert escape(recorded().narration.outcome) in html
+    overlay = html[html.index('id="keypush-story"') :]
+    assert "{{" not in overlay.partition("<script>")[0]
