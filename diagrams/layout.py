@@ -22,7 +22,9 @@ def arrange(count: int, edges: list[Edge]) -> Columns:
         count: number of systems.
         edges: (source, sink) pairs; may repeat and may close loops.
     """
-    backward = _loop_closing_edges(count, edges)
+    # A loop has to be cut somewhere: where the fewest wires then lead back.
+    cuts = [_loop_closing_edges(count, edges, first) for first in _unfed_first(count, edges)]
+    backward = min(cuts, key=lambda cut: sum(edge in cut for edge in edges), default=frozenset())
     forward = sorted({edge for edge in edges if edge not in backward})
     column = [0] * count
     for _ in range(count):
@@ -35,8 +37,19 @@ def arrange(count: int, edges: list[Edge]) -> Columns:
     return Columns(columns, backward)
 
 
-def _loop_closing_edges(count: int, edges: list[Edge]) -> frozenset[Edge]:
-    """Finds, depth first, the edges that lead back to a system on the path that led to them."""
+def _unfed_first(count: int, edges: list[Edge]) -> list[int]:
+    fed = {sink for _, sink in edges}
+    return sorted(range(count), key=lambda i: (i in fed, i))
+
+
+def _loop_closing_edges(count: int, edges: list[Edge], first: int) -> frozenset[Edge]:
+    """Finds, depth first, the edges that lead back to a system on the path that led to them.
+
+    Args:
+        count: number of systems.
+        edges: (source, sink) pairs.
+        first: where to begin; then from systems that nothing feeds.
+    """
     sinks = defaultdict(list)
     for source, sink in sorted(set(edges)):
         sinks[source].append(sink)
@@ -52,8 +65,7 @@ def _loop_closing_edges(count: int, edges: list[Edge]) -> frozenset[Edge]:
                 visit(sink)
         state[system] = "done"
 
-    fed = {sink for _, sink in edges}
-    for system in sorted(range(count), key=lambda i: (i in fed, i)):
+    for system in [first, *_unfed_first(count, edges)]:
         if state[system] == "new":
             visit(system)
     return frozenset(closing)

@@ -88,7 +88,7 @@ def _draw_panel(diagram: Diagram, top: float, parts: list[str]) -> tuple[float, 
 
 def _place(boxes: list[_Box], columns: list[list[int]], top: float) -> tuple[float, float]:
     """Sets the boxes' positions; returns how far they reach right and down."""
-    x, bottom = 20.0, top
+    x, bottom = 60.0, top
     for column in columns:
         y = top
         for i in column:

@@ -28,5 +28,10 @@ def test_only_what_closes_a_loop_runs_backward() -> None:
     assert arrange(3, [(0, 1), (1, 2), (2, 1)]).backward == {(2, 1)}
 
 
+def test_a_loop_is_cut_where_fewest_wires_lead_back() -> None:
+    policy_feeds_station = [(1, 2), (2, 1), (2, 1), (2, 3), (3, 1)]
+    assert arrange(4, [(0, 1), *policy_feeds_station]).backward == {(1, 2)}
+
+
 def test_wires_do_not_cross_when_they_need_not() -> None:
     assert arrange(4, [(0, 3), (1, 2)]).columns == [[0, 1], [3, 2]]
