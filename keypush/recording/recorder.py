@@ -56,11 +56,12 @@ def _add_observations(
 ) -> None:
     scenario, rows = runner.scenario, result.rows
     goal = np.asarray(rows["goal"][0], dtype=float)
-    add_scenery(meshcat, scenario, goal)
+    poses = np.asarray(rows["object_pose"], dtype=float)
+    add_scenery(meshcat, scenario, poses[0, 4:6], goal)
     clouds = measured_clouds(
         runner.push.station.point_cloud_sensor,
         np.asarray(rows["time"], dtype=float),
-        np.asarray(rows["object_pose"], dtype=float),
+        poses,
         scenario.seed,
         episode,
     )

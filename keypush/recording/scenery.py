@@ -18,18 +18,27 @@ _RING_WIDTH = 0.003
 _RING_SIDES = 96
 _ABOVE_TABLE = 6e-4
 """Decals lie this much above the table, m: nearer, they flicker with its face."""
-_CAMERA, _LOOK_AT = np.array([1.06, -1.16, 0.92]), np.array([-0.17, 0.0, 0.17])
+_LOOK_AT = np.array([-0.17, 0.0, 0.17])
+_CAMERA_DISTANCE, _CAMERA_HEIGHT = 1.65, 0.92
+_CAMERA_AZIMUTHS_DEG = (-45.0, 45.0, -90.0, 90.0)
+"""About Wz, from Wx: in front of the robot and at its sides."""
 _FIELD_OF_VIEW_DEG = 40.0
-_LIGHT = [0.5, -0.7, 1.8]
-"""Where the light hangs whose shadows show how far things are from the table."""
+_LIGHT = (0.5, 0.7, 1.8)
+"""Where the light hangs, on the camera's side, whose shadows show what touches the table."""
 
 
-def add_scenery(meshcat: Meshcat, scenario: Scenario, goal: NDArray[np.float64]) -> None:
+def add_scenery(
+    meshcat: Meshcat,
+    scenario: Scenario,
+    start: NDArray[np.float64],
+    goal: NDArray[np.float64],
+) -> None:
     """Draws, in W, what is seen but not simulated, and points the camera at the table.
 
     Args:
         meshcat: where to draw.
         scenario: sizes of table, robot base and goal.
+        start: (2,) xy in W where the object starts, m.
         goal: (2,) goal xy in W, m.
     """
     for path in ("/Grid", "/Axes"):
@@ -37,16 +46,32 @@ def add_scenery(meshcat: Meshcat, scenario: Scenario, goal: NDArray[np.float64])
     meshcat.SetProperty("/Background/<object>", "top_color", _SKY)
     meshcat.SetProperty("/Background/<object>", "bottom_color", _HORIZON)
     meshcat.SetCamera(Meshcat.PerspectiveCamera(fov=_FIELD_OF_VIEW_DEG))
-    meshcat.SetCameraPose(_CAMERA, _LOOK_AT)
-    _light(meshcat)
+    p_WC = camera_position(goal - start)
+    meshcat.SetCameraPose(p_WC, _LOOK_AT)
+    _light(meshcat, float(np.sign(p_WC[1])))
     _add_floor_and_pedestal(meshcat, scenario)
     _add_goal(meshcat, scenario.episode.goal_radius, goal)
 
 
-def _light(meshcat: Meshcat) -> None:
+def camera_position(push: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns p_WC, from where the hand hides the object least.
+
+    Args:
+        push: (2,) from start to goal in W; the hand is behind the object and comes along it.
+    """
+    azimuths = np.deg2rad(_CAMERA_AZIMUTHS_DEG)
+    sides = np.stack([np.cos(azimuths), np.sin(azimuths)], axis=1)
+    # Rounded, so that of two views that are equally good the first is taken.
+    best = int(np.argmax(np.round(sides @ push / np.linalg.norm(push), 6)))
+    x, y = _LOOK_AT[:2] + _CAMERA_DISTANCE * sides[best]
+    return np.array([x, y, _CAMERA_HEIGHT])
+
+
+def _light(meshcat: Meshcat, side: float) -> None:
+    x, y, z = _LIGHT
     spot = "/Lights/SpotLight"
     meshcat.SetProperty(spot, "visible", True)
-    meshcat.SetProperty(f"{spot}/<object>", "position", _LIGHT)
+    meshcat.SetProperty(f"{spot}/<object>", "position", [x, side * y, z])
     meshcat.SetProperty(f"{spot}/<object>", "intensity", 17.0)
     meshcat.SetProperty(f"{spot}/<object>", "castShadow", True)
     meshcat.SetProperty(f"{spot}/<object>", "shadow.mapSize.width", 2048.0)
