@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pydrake.systems.framework import Context
 
 from keypush.errors import UserError
 from keypush.planning.plan_state import Stage
@@ -12,8 +13,20 @@ from keypush.rollout.episode import EpisodeResult, EpisodeRunner, simulator_conf
 from keypush.rollout.start import StartSampler
 from keypush.scenario import Scenario, parse_scenario
 from keypush.systems.episode_logger import ROW_COLUMNS
+from keypush.systems.episode_seed import SEED_PARAMETER
+from keypush.systems.expert_planner import ExpertPlanner
+from keypush.systems.point_cloud_sensor import PointCloudSensor
+from keypush.systems.torque_noise import TorqueNoise
 
 STEPS = 12
+
+
+class OpenRunner(EpisodeRunner):
+    """Shows its context."""
+
+    @property
+    def context(self) -> Context:
+        return self._context
 
 
 def _scenario(**changes: Any) -> Scenario:
@@ -62,6 +75,23 @@ def test_both_integrators_repeat_bit_for_bit(integrator: str) -> None:
     first = _digest(runner.run(3))
     runner.run(5)
     assert _digest(runner.run(3)) == first
+
+
+def test_everything_that_draws_knows_seed_and_episode() -> None:
+    runner = OpenRunner(_scenario(seed=7))
+    drawing = [
+        system
+        for diagram in (runner.push.diagram, runner.push.station.diagram)
+        for system in diagram.GetSystems()
+        if isinstance(system, PointCloudSensor | TorqueNoise | ExpertPlanner)
+    ]
+    assert len(drawing) == 3
+    runner.reset(5)
+    for system in drawing:
+        parameter = system.GetMyContextFromRoot(runner.context).get_numeric_parameter(
+            SEED_PARAMETER
+        )
+        np.testing.assert_array_equal(parameter.value(), [7, 5])
 
 
 def test_seeds_give_other_episodes(runner: EpisodeRunner) -> None:

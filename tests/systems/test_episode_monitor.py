@@ -164,11 +164,24 @@ def test_success_in_the_last_step_counts() -> None:
 
 @pytest.mark.parametrize(
     "later",
-    [_shifted(0.06, 0.0), _turned(0.5), _shifted(0.0, 0.0, -0.3)],
+    [
+        _shifted(0.06, 0.0),
+        RigidTransform(RollPitchYaw(0.5, 0.0, 0.0), THERE.translation()),
+        _shifted(0.0, 0.0, -0.3),
+    ],
     ids=["rolled away", "toppled", "fell"],
 )
 def test_what_does_not_last_is_success_but_not_settled(later: RigidTransform) -> None:
     scene = Scene(lambda t: START if t < 0.49 else THERE if t < 0.95 else later)
+    scene.run()
+    assert scene.verdict() == (Outcome.SUCCESS, 5, False)
+
+
+def test_settled_means_on_the_table() -> None:
+    """Even where any change of height passes for upright."""
+    config = EpisodeConfig(max_steps=20, max_height_change=1.0)
+    below = _shifted(0.0, 0.0, -0.3)
+    scene = Scene(lambda t: START if t < 0.49 else THERE if t < 0.95 else below, config=config)
     scene.run()
     assert scene.verdict() == (Outcome.SUCCESS, 5, False)
 
