@@ -1,5 +1,6 @@
 """Runs one episode and turns it into a page to watch."""
 
+import gc
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -38,6 +39,14 @@ def record_episode(scenario: Scenario, episode: int = 0) -> Recording:
         UserError: see `EpisodeRunner`.
         RuntimeError: the simulation failed, or no port is free.
     """
+    try:
+        return _record(scenario, episode)
+    finally:
+        # Diagrams stand in reference cycles: Meshcat's port closes when these are found.
+        gc.collect()
+
+
+def _record(scenario: Scenario, episode: int) -> Recording:
     meshcat = _make_meshcat()
     runner = EpisodeRunner(scenario, meshcat)
     visualizer = runner.push.visualizer
