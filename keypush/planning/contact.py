@@ -24,11 +24,13 @@ def analytic_contact(
         half_width: half the width across the push in which points count, m.
         band: lowest and highest z in W in which points count, m.
     """
-    offset = p_WP[:, :2] - p_WOcm[:2]
-    near = np.abs(offset @ left_of(d_W)[:2]) <= half_width
-    low = (p_WP[:, 2] >= band[0]) & (p_WP[:, 2] <= band[1])
-    depth = -(offset @ d_W[:2])
-    for mask in (near & low, near, np.ones_like(near)):
+    left = left_of(d_W)
+    # Columns: across the push, against it, up.
+    axes = np.array([[left[0], -d_W[0], 0.0], [left[1], -d_W[1], 0.0], [0.0, 0.0, 1.0]])
+    across, depth, z = ((p_WP - [p_WOcm[0], p_WOcm[1], 0.0]) @ axes).T
+    near = np.abs(across) <= half_width
+    touchable = near & (z >= band[0]) & (z <= band[1])
+    for mask in (touchable, near, np.ones_like(near)):
         if mask.any():
             break
     r = max(float(depth[mask].max()), 0.0)

@@ -63,7 +63,8 @@ def choose_posture(
             reached = []
             for side in (1, -1):
                 R_WE = tool_rotation(d_W, pitch, side)
-                error, travel = _try_waypoints(arm, q, [above, *waypoints], R_WE)
+                bound = max(least, _REACHED)
+                error, travel = _try_waypoints(arm, q, [above, *waypoints], R_WE, bound)
                 if error < _REACHED:
                     reached.append((travel, side))
                 elif error < least:
@@ -74,15 +75,20 @@ def choose_posture(
 
 
 def _try_waypoints(
-    arm: ArmKinematics, q: Array, waypoints: list[Array], R_WE: RotationMatrix
+    arm: ArmKinematics, q: Array, waypoints: list[Array], R_WE: RotationMatrix, bound: float
 ) -> tuple[float, float]:
-    """Returns the worst error over the waypoints and the joint travel to the first one."""
+    """Returns the worst error over the waypoints and the joint travel to the first one.
+
+    It gives up at the first error that is not below `bound`.
+    """
     worst, travel, start = 0.0, 0.0, q
     for i, p_WE in enumerate(waypoints):
         q, error = solve_ik(arm, q, RigidTransform(R_WE, p_WE))
         worst = max(worst, error)
         if i == 0:
             travel = float(np.abs(q - start).max())
+        if worst >= bound:
+            break
     return worst, travel
 
 

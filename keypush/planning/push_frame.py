@@ -1,5 +1,7 @@
 """The tool's orientation for a push direction, and the rotations that lead to it."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.math import RotationMatrix
@@ -42,10 +44,17 @@ def tool_rotation(d_W: Array, pitch: float, side: int) -> RotationMatrix:
         pitch: angle of Ez below the table plane, rad.
         side: +1 or -1.
     """
-    z_axis = np.cos(pitch) * d_W - np.sin(pitch) * np.array([0.0, 0.0, 1.0])
-    y_axis = side * left_of(d_W)
-    x_axis = np.cross(y_axis, z_axis)
-    return RotationMatrix(np.column_stack([x_axis, y_axis, z_axis]))
+    c, s = math.cos(pitch), math.sin(pitch)
+    x, y = float(d_W[0]), float(d_W[1])
+    # Columns: Ex = Ey x Ez, Ey = side (z x d), Ez = c d - s z.
+    R = np.array(
+        [
+            [-side * s * x, -side * y, c * x],
+            [-side * s * y, side * x, c * y],
+            [-side * c, 0.0, -s],
+        ]
+    )
+    return RotationMatrix(R)
 
 
 def rotation_vector(R_WA: RotationMatrix, R_WB: RotationMatrix) -> Array:

@@ -91,8 +91,6 @@ class PushStages:
     def _choose_stage(self, state: PlanState, seen: PushObservation) -> PlanState:
         if seen.halted:
             return self._enter(state, Stage.HALTED)
-        if state.posture == UNDECIDED:
-            state = replace(state, posture=self._choose_posture(seen))
         choose: dict[Stage, Callable[[PlanState, PushObservation], PlanState]] = {
             Stage.RISE: self._after_rise,
             Stage.APPROACH: self._after_approach,
@@ -246,7 +244,7 @@ class PushStages:
         return min(low - z, _PRESS) if z < low else -_PRESS
 
     def _turn(self, state: PlanState, seen: PushObservation) -> RotationMatrix:
-        if state.stage == Stage.RETREAT:
+        if state.stage == Stage.RETREAT or state.posture == UNDECIDED:
             return state.R_WR
         R_WG = self._wanted_rotation(state, seen)
         R_WR = _turn_towards(state.R_WR, R_WG, self._config.turn_rate * self._period)

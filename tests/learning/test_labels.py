@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from keypush.learning.labels import HALTED, PUSH, make_labels, rotations
 from keypush.learning.rows import Rows, read_rows
 from keypush.learning.scenes import scene_table
-from keypush.planning.stages import Stage
+from keypush.planning.plan_state import Stage
 
 APPROACH, RETREAT = 1, 5
 NONE = [np.nan] * 3
