@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,7 +100,8 @@ class EpisodeRunner:
     def _result(self, episode: int) -> EpisodeResult:
         context = self._context
         monitor = self.push.monitor
-        verdict = monitor.GetOutputPort("verdict").Eval(monitor.GetMyContextFromRoot(context))
+        port = monitor.GetOutputPort("verdict")
+        verdict = cast("NDArray[np.float64]", port.Eval(monitor.GetMyContextFromRoot(context)))
         outcome = Outcome(int(verdict[0]))
         scenario = self.scenario
         keys = {

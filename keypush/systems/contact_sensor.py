@@ -39,10 +39,12 @@ class ContactSensor(LeafSystem):
         """Args: collision geometries and bodies of the robot and of the object."""
         super().__init__()
         self.set_name("contact_sensor")
-        self._robot = robot_geometries
-        self._object = object_geometries
-        self._robot_bodies = robot_bodies
-        self._object_body = object_body
+        # Numbers, because pydrake's ids keep the plant alive that they come from, and with it,
+        # in a cycle through this system, the whole diagram for ever.
+        self._robot = {g.get_value() for g in robot_geometries}
+        self._object = {g.get_value() for g in object_geometries}
+        self._robot_bodies = {int(b) for b in robot_bodies}
+        self._object_body = int(object_body)
         self._results = self.DeclareAbstractInputPort("contact_results", Value[ContactResults]())
         self.DeclareVectorOutputPort(
             "contact", 6, self._calc_contact, prerequisites_of_calc={self._results.ticket()}
@@ -60,7 +62,7 @@ class ContactSensor(LeafSystem):
         for i in range(results.num_hydroelastic_contacts()):
             info = results.hydroelastic_contact_info(i)
             surface = info.contact_surface()
-            m, n = surface.id_M(), surface.id_N()
+            m, n = surface.id_M().get_value(), surface.id_N().get_value()
             if m in self._object and n in self._robot:
                 sign = 1.0
             elif n in self._object and m in self._robot:
@@ -77,7 +79,7 @@ class ContactSensor(LeafSystem):
         pairs = []
         for i in range(results.num_point_pair_contacts()):
             info = results.point_pair_contact_info(i)
-            a, b = info.bodyA_index(), info.bodyB_index()
+            a, b = int(info.bodyA_index()), int(info.bodyB_index())
             if b == self._object_body and a in self._robot_bodies:
                 sign = 1.0
             elif a == self._object_body and b in self._robot_bodies:

@@ -1,5 +1,6 @@
 """StationPoses: picks tool pose, object pose and COM out of the plant's body poses."""
 
+import weakref
 from collections.abc import Callable
 from typing import Any, cast
 
@@ -61,10 +62,19 @@ class StationPoses(LeafSystem):
         self._declare_pose("tool_pose", self._calc_tool_pose)
 
     def _declare_pose(self, name: str, calc: Callable[[Any, Any], None]) -> None:
+        # Weak, because pydrake holds an abstract port's function where the garbage collector
+        # does not see it: a bound method would keep system and diagram alive for ever.
+        method = weakref.WeakMethod(calc)
+
+        def calc_while_alive(context: Any, output: Any) -> None:
+            bound = method()
+            assert bound is not None
+            bound(context, output)
+
         self.DeclareAbstractOutputPort(
             name,
             lambda: Value(RigidTransform()),
-            calc,
+            calc_while_alive,
             prerequisites_of_calc={self._poses.ticket()},
         )
 

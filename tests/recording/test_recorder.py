@@ -1,10 +1,14 @@
 """Recording an episode: it changes nothing, and shows what the policy saw."""
 
+import socket
 from functools import cache
 from html import escape
 
 import numpy as np
+import pytest
+from pydrake.geometry import Meshcat, MeshcatParams
 
+from keypush.recording import recorder
 from keypush.recording.observations import measured_clouds
 from keypush.recording.recorder import Recording, record_episode
 from keypush.rollout.episode import EpisodeResult, EpisodeRunner
@@ -36,6 +40,20 @@ def test_rows_are_the_same_bit_for_bit_as_without_recording() -> None:
         assert with_page.rows[name].tobytes() == column.tobytes(), name
     assert with_page.seconds == without.seconds
     assert str(with_page.summary) == str(without.summary)
+
+
+def test_meshcats_port_is_closed_afterwards(monkeypatch: pytest.MonkeyPatch) -> None:
+    ports = []
+
+    class ListedMeshcat(Meshcat):
+        def __init__(self, params: MeshcatParams) -> None:
+            super().__init__(params)
+            ports.append(self.port())
+
+    monkeypatch.setattr(recorder, "Meshcat", ListedMeshcat)
+    record_episode(parse_scenario("{policy: expert, episode: {max_steps: 1}}"))
+    with pytest.raises(OSError, match="refused"), socket.create_connection(("localhost", ports[0])):
+        pass
 
 
 def test_clouds_on_the_page_are_those_that_the_policy_saw() -> None:
