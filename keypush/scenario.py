@@ -4,7 +4,6 @@ Units are SI (m, s, kg, N, rad) unless a name ends in `_deg`. Frames: W world (c
 table top, z up, x away from the robot), B robot base, E tool tip, O object.
 """
 
-import dataclasses
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +13,7 @@ import yaml
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
 from keypush.errors import UserError
+from keypush.scenario_check import check_values, check_yaml
 
 POLICIES = ("expert", "keypoint", "centroid")
 INTEGRATORS = ("cenic", "discrete")
@@ -228,12 +228,13 @@ class Scenario:
     predictor: PredictorConfig = field(default_factory=PredictorConfig)
 
     def validate(self) -> None:
-        """Checks every field's range.
+        """Checks every field's range, the box of start positions and the goal.
 
         Raises:
             UserError: names the field, what it holds and what is allowed.
         """
-        _validate(self, "")
+        check_values(self)
+        _check_start_box(self.robot)
         goal = self.episode.goal
         if goal is not None:
             _check_goal(goal, self.table)
@@ -244,7 +245,7 @@ def load_scenario(path: Path | str, defaults: Scenario | None = None) -> Scenari
 
     Raises:
         UserError: the file cannot be read, is no YAML, has an unknown field or a value
-            that is out of range.
+            of the wrong type or out of range.
     """
     path = Path(path)
     try:
@@ -259,18 +260,13 @@ def parse_scenario(
 ) -> Scenario:
     """Parses a scenario's YAML text; see `load_scenario`."""
     try:
-        if not isinstance(yaml.safe_load(text) or {}, dict):
-            raise UserError(f"{source}: expected a mapping of fields at the top")
+        data = _parse_yaml(text)
+        check_yaml(data, Scenario)
         scenario: Scenario = yaml_load_typed(
             schema=Scenario,
-            data=text or "{}",
+            data=text if data else "{}",
             defaults=defaults or Scenario(),
         )
-    except UserError:
-        raise
-    except Exception as error:  # yaml_load_typed raises many types: TypeError, ValueError, ...
-        raise UserError(f"{source}: {_one_line(error)}") from error
-    try:
         scenario.validate()
     except UserError as error:
         raise UserError(f"{source}: {error}") from error
@@ -280,7 +276,18 @@ def parse_scenario(
 def dump_scenario(scenario: Scenario) -> str:
     """Returns the whole scenario as YAML, every field written out."""
     text: str = yaml_dump_typed(scenario, schema=Scenario)
+    if scenario.episode.goal is None:
+        # Drake leaves out what is null, but the goal must stay null over any defaults.
+        text = text.replace("\nepisode:\n", "\nepisode:\n  goal: null\n", 1)
     return text
+
+
+def _parse_yaml(text: str) -> object:
+    """Parses YAML; a text that holds nothing but comments has no fields."""
+    try:
+        return {} if yaml.compose(text, yaml.SafeLoader) is None else yaml.safe_load(text)
+    except Exception as error:  # not only YAMLError: e.g. ValueError for the date 2000-13-01
+        raise UserError(f"not readable as YAML: {_one_line(error)}") from error
 
 
 def _one_line(error: BaseException) -> str:
@@ -299,24 +306,10 @@ def _check_goal(goal: list[float], table: TableConfig) -> None:
         )
 
 
-def _validate(config: Any, prefix: str) -> None:
-    for spec in dataclasses.fields(config):
-        value = getattr(config, spec.name)
-        name = f"{prefix}{spec.name}"
-        if dataclasses.is_dataclass(value):
-            _validate(value, f"{name}.")
-        elif "range" in spec.metadata:
-            _check_range(name, value, spec.metadata)
-        elif "allowed" in spec.metadata and value not in spec.metadata["allowed"]:
-            allowed = ", ".join(spec.metadata["allowed"])
-            raise UserError(f"{name} is {value!r}; allowed: {allowed}")
-
-
-def _check_range(name: str, value: Any, metadata: Any) -> None:
-    low, high = metadata["range"]
-    length = metadata.get("length")
-    if length is not None and len(value) != length:
-        raise UserError(f"{name} has {len(value)} entries; allowed: {length}")
-    for number in value if length is not None else [value]:
-        if not (math.isfinite(number) and low <= number <= high):
-            raise UserError(f"{name} is {number:g}; allowed: {low:g} to {high:g}")
+def _check_start_box(robot: RobotConfig) -> None:
+    for joint, (low, high) in enumerate(zip(robot.start_lower, robot.start_upper, strict=True), 1):
+        if low > high:
+            raise UserError(
+                f"robot.start_lower is {low!r} and robot.start_upper is {high!r} at joint {joint}; "
+                "allowed: start_lower at most start_upper at every joint"
+            )

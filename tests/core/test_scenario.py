@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -47,8 +48,12 @@ def _get(scenario: Scenario, name: str) -> Any:
 
 
 def _with(name: str, value: Any) -> Scenario:
-    """A scenario with one field changed; one entry, if the field is a list."""
+    """A scenario with one field changed; one entry, if the field is a list.
+
+    The box of start positions is as wide as it may be, so that either corner can move.
+    """
     scenario = Scenario()
+    scenario.robot.start_lower, scenario.robot.start_upper = [-math.pi] * 7, [math.pi] * 7
     config, last = _owner(scenario, name)
     if "length" in FIELDS[name].metadata:
         value = [*getattr(config, last)[:-1], value]
@@ -141,6 +146,10 @@ def scenarios(draw: st.DrawFn) -> Scenario:
     for name in draw(st.sets(st.sampled_from(sorted(FIELDS)), max_size=8)):
         config, last = _owner(scenario, name)
         setattr(config, last, draw(_value(FIELDS[name], getattr(config, last))))
+    robot = scenario.robot
+    corners = list(zip(robot.start_lower, robot.start_upper, strict=True))
+    robot.start_lower = [min(pair) for pair in corners]
+    robot.start_upper = [max(pair) for pair in corners]
     return scenario
 
 
@@ -149,8 +158,15 @@ def test_yaml_round_trip_keeps_every_bit(scenario: Scenario) -> None:
     assert parse_scenario(dump_scenario(scenario)) == scenario
 
 
-def test_what_is_written_holds_every_field() -> None:
-    written = yaml.safe_load(dump_scenario(_with(GOAL, [0.0, 0.0])))
+@given(scenarios(), scenarios())
+def test_what_is_written_does_not_depend_on_defaults(scenario: Scenario, other: Scenario) -> None:
+    other.episode.goal = [0.0, 0.0]
+    assert parse_scenario(dump_scenario(scenario), defaults=other) == scenario
+
+
+@pytest.mark.parametrize("goal", [None, [0.0, 0.0]])
+def test_what_is_written_holds_every_field(goal: list[float] | None) -> None:
+    written = yaml.safe_load(dump_scenario(_with(GOAL, goal)))
     flat = {
         f"{group}.{key}" if isinstance(value, dict) else group
         for group, value in written.items()
@@ -173,22 +189,62 @@ def test_no_two_scenarios_share_a_list() -> None:
     assert Scenario().robot.base_position == [-0.5, 0.0, 0.0]
 
 
+def test_a_start_box_whose_corners_are_swapped_is_refused() -> None:
+    scenario = Scenario()
+    scenario.robot.start_lower[3] = scenario.robot.start_upper[3]
+    scenario.validate()
+    scenario.robot.start_lower[3] = -1.5
+    expected = (
+        r"^robot\.start_lower is -1\.5 and robot\.start_upper is -1\.5237 at joint 4; allowed"
+    )
+    with pytest.raises(UserError, match=expected):
+        scenario.validate()
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("speed: 3", ["speed"]),
-        ("planner: {push_sped: 0.1}", ["push_sped"]),
-        ("seed: 1.5", ["seed", "1.5"]),
-        ("seed: true", ["seed", "True"]),
-        ("simulation: {arm_collision: 3}", ["arm_collision", "3"]),
-        ("object: {name: 3}", ["name", "3"]),
+        ("speed: 3", ["speed is unknown; allowed at the top level: seed, policy, object"]),
+        ("1: 2", ["1 is unknown; allowed at the top level: seed"]),
+        ("? 'a\n\n  b'\n: 2", ["is unknown; allowed at the top level: seed"]),
+        (
+            "robot: {stiffnes: 1}",
+            ["robot.stiffnes is unknown; allowed in robot: base_", "stiffness"],
+        ),
+        ("null", ["the top level is null; allowed: a mapping with the fields seed, policy"]),
+        ("[]", ["the top level is []; allowed: a mapping"]),
+        ("3", ["the top level is 3; allowed: a mapping"]),
+        ("robot: null", ["robot is null; allowed: a mapping with the fields base_position"]),
+        ("object: 5", ["object is 5; allowed: a mapping with the fields name, size_ratio"]),
+        ("seed: 1.5", ["seed is 1.5; allowed: a whole number from 0 to 9007199254740992"]),
+        ("seed: .nan", ["seed is nan; allowed: a whole number"]),
+        ("seed: true", ["seed is True; allowed: a whole number"]),
+        ("seed: 9007199254740993", ["seed is 9007199254740993; allowed: 0 to 9007199254740992"]),
+        (f"seed: 1{'0' * 400}", ["seed is 1000", "allowed: 0 to"]),
+        (f"seed: 0x{'f' * 9000}", ["seed is a whole number of thousands of digits"]),
+        (f"object: {{mass: 1{'0' * 400}}}", ["object.mass is 1000", "a number from 0.001 to 10"]),
+        ("object: {mass: abc}", ["object.mass is 'abc'; allowed: a number from 0.001 to 10"]),
         ("object: {mass: .inf}", ["object.mass is inf"]),
+        ("object: {mass: 10.00000001}", ["object.mass is 10.00000001; allowed: 0.001 to 10"]),
+        ("object: {name: 3}", ["object.name is 3; allowed: a text"]),
+        ("policy: null", ["policy is null; allowed: expert, keypoint, centroid"]),
+        ("episode: {goal: a}", ["episode.goal is 'a'; allowed: a list of two numbers, or null"]),
+        ("episode: {goal: [0.1, a]}", ["episode.goal is [0.1, 'a']; allowed: a list of two"]),
+        (
+            "episode: {max_steps: 1e3}",
+            ["episode.max_steps is '1e3'", "whole number from 1 to 100000"],
+        ),
+        (
+            "robot: {base_position: 3}",
+            ["robot.base_position is 3; allowed: 3 numbers from -2 to 2"],
+        ),
         ("robot: {base_position: [1, 2]}", ["robot.base_position has 2 entries", "3"]),
+        ("simulation: {arm_collision: 3}", ["arm_collision is 3; allowed: true or false"]),
         ("a: b: c", ["line 1"]),
+        ("object: {name: 2000-13-01}", ["not readable as YAML"]),
         ("seed: !!python/object:os.system {}", ["python/object"]),
-        ("[1, 2]", ["mapping"]),
-        ("3", ["mapping"]),
     ],
+    ids=lambda value: value[:40] if isinstance(value, str) else "",
 )
 def test_a_mistake_is_one_line_that_names_file_and_field(
     text: str, words: list[str], tmp_path: Path
@@ -204,9 +260,44 @@ def test_a_mistake_is_one_line_that_names_file_and_field(
         assert word in message
 
 
-def test_an_empty_file_is_the_defaults(tmp_path: Path) -> None:
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.dates(),
+    lambda inner: st.lists(inner, max_size=8) | st.dictionaries(st.text(max_size=3), inner),
+    max_leaves=8,
+)
+
+
+@given(st.sampled_from([*FIELDS, "object", "robot", "episode"]), VALUES)
+def test_whatever_a_field_holds_is_read_or_refused_by_its_name(name: str, value: Any) -> None:
+    data = value
+    for part in reversed(name.split(".")):
+        data = {part: data}
+    message = ""
+    try:
+        parse_scenario(yaml.safe_dump(data))
+    except UserError as error:
+        message = str(error)
+    # One corner of the box of starts may be at odds with the other.
+    pattern = rf"scenario: (robot\.start_lower is \S+ and )?{re.escape(name)}"
+    assert not message or re.match(pattern, message)
+    assert len(message.splitlines()) <= 1
+
+
+@pytest.mark.parametrize("text", ["0.2", "2e-1", "'0.2'", "+.2", "1_0.0e-2"])
+def test_a_number_can_be_written_in_more_than_one_way(text: str) -> None:
+    expected = 0.1 if "_" in text else 0.2
+    assert parse_scenario(f"object: {{mass: {text}}}").object.mass == expected
+
+
+def test_a_template_for_aliases_is_no_field() -> None:
+    scenario = parse_scenario("{_light: &light {mass: 0.02}, object: *light}")
+    assert scenario.object.mass == 0.02
+
+
+@pytest.mark.parametrize("text", ["", "# seed: 1\n", "{}"])
+def test_an_empty_file_is_the_defaults(text: str, tmp_path: Path) -> None:
     path = tmp_path / "empty.yaml"
-    path.write_text("")
+    path.write_text(text)
     assert load_scenario(path) == Scenario()
     with pytest.raises(UserError, match=r"absent\.yaml: cannot be read"):
         load_scenario(tmp_path / "absent.yaml")
