@@ -110,7 +110,7 @@ def add_policy(
     """
     goal = ConstantVectorSource(np.zeros(2))
     goal.set_name("goal")
-    monitor = EpisodeMonitor(model.reference_points, scenario.episode)
+    monitor = EpisodeMonitor(model.reference_points, scenario.episode, scenario.table)
     builder.AddSystem(goal)
     builder.AddSystem(monitor)
     planner: ExpertPlanner | PushPlanner

@@ -15,7 +15,7 @@ from pydrake.systems.framework import (
 )
 
 from keypush.eval_ports import eval_abstract, eval_vector
-from keypush.scenario import EpisodeConfig
+from keypush.scenario import EpisodeConfig, TableConfig
 
 
 class Outcome(IntEnum):
@@ -70,15 +70,25 @@ class EpisodeMonitor(LeafSystem):
     the table. Upright: tilt below `max_tilt`, and height changes of COM and of the reference
     points (corners of the object's bounding box) below `max_height_change`.
     All against the
-    pose at initialisation. An object that is not upright has toppled; one whose COM is
-    below the table top fell. On success the simulation runs on until the settled test.
+    pose at initialisation. An object whose COM is below the table top, or beyond its edges
+    in xy, fell, however it is tilted; one that is on the table but not upright has toppled.
+    On success the simulation runs on until the settled test.
     """
 
-    def __init__(self, p_OR: NDArray[np.float64], config: EpisodeConfig) -> None:
-        """Args: reference points (N, 3) in O in m; what counts as success and when to stop."""
+    def __init__(
+        self, p_OR: NDArray[np.float64], config: EpisodeConfig, table: TableConfig
+    ) -> None:
+        """Makes the monitor of one object.
+
+        Args:
+            p_OR: reference points (N, 3) in O in m.
+            config: what counts as success and when to stop.
+            table: whose top an object can fall off.
+        """
         super().__init__()
         self.set_name("episode_monitor")
         self._config = config
+        self._table_half = np.array([table.length, table.width]) / 2
         self._p_OR_O = np.asarray(p_OR, dtype=float)
         self._heights = slice(_COM_HEIGHT + 1, _COM_HEIGHT + 1 + len(p_OR))
         self._pose = self.DeclareAbstractInputPort("object_pose", Value(RigidTransform()))
@@ -117,7 +127,7 @@ class EpisodeMonitor(LeafSystem):
         return EventStatus.Succeeded()
 
     def _outcome(self, context: Context, values: NDArray[np.float64]) -> Outcome:
-        if eval_vector(self._com, context)[2] < 0:
+        if not self._on_table(context):
             return Outcome.FELL
         if not self._upright(context, values):
             return Outcome.TOPPLED
@@ -137,10 +147,13 @@ class EpisodeMonitor(LeafSystem):
             values[_STILL_STEPS] += 1
         ended = bool(values[_STILL_STEPS] * config.policy_period >= config.settle_time)
         if ended:
-            on_table = eval_vector(self._com, context)[2] >= 0
-            upright = self._upright(context, values)
-            values[_SETTLED] = float(on_table and upright and self._at_goal(context))
+            upright = self._on_table(context) and self._upright(context, values)
+            values[_SETTLED] = float(upright and self._at_goal(context))
         return ended
+
+    def _on_table(self, context: Context) -> bool:
+        p_WOcm = eval_vector(self._com, context)
+        return bool(p_WOcm[2] >= 0 and np.all(np.abs(p_WOcm[:2]) <= self._table_half))
 
     def _at_goal(self, context: Context) -> bool:
         X_WO: RigidTransform = eval_abstract(self._pose, context)

@@ -15,12 +15,14 @@ from pydrake.systems.analysis import Simulator, SimulatorStatus
 from pydrake.systems.framework import BasicVector, Context, DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import ConstantVectorSource
 
-from keypush.scenario import EpisodeConfig
+from keypush.scenario import EpisodeConfig, TableConfig
 from keypush.systems.episode_monitor import EpisodeMonitor, Outcome
 from tests.systems.contract import assert_pure, assert_resets, ports
 
 CONFIG = EpisodeConfig(max_steps=20)
 PERIOD = CONFIG.policy_period
+TABLE = TableConfig()
+EDGE = np.array([TABLE.length, TABLE.width]) / 2
 HALF = np.array([0.03, 0.02, 0.04])
 CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * HALF
 P_OCM = np.array([0.01, 0.0, -0.01])
@@ -68,7 +70,7 @@ class Scene:
         builder = DiagramBuilder()
         script = builder.AddSystem(Script(self.pose, self.com or self.pose, self.tool))
         goal = builder.AddSystem(ConstantVectorSource(GOAL))
-        self.monitor = builder.AddSystem(EpisodeMonitor(CORNERS, self.config))
+        self.monitor = builder.AddSystem(EpisodeMonitor(CORNERS, self.config, TABLE))
         for name in ("object_pose", "object_com", "tool_pose"):
             builder.Connect(script.GetOutputPort(name), self.monitor.GetInputPort(name))
         builder.Connect(goal.get_output_port(), self.monitor.GetInputPort("goal"))
@@ -111,7 +113,7 @@ def _shifted(dx: float, dy: float, dz: float = 0.0, to: RigidTransform = THERE) 
 
 
 def test_ports() -> None:
-    assert ports(EpisodeMonitor(CORNERS, CONFIG)) == {
+    assert ports(EpisodeMonitor(CORNERS, CONFIG, TABLE)) == {
         "in": {"object_pose": None, "object_com": 3, "goal": 2, "tool_pose": None},
         "out": {"halted": 1, "verdict": 3},
     }
@@ -177,11 +179,11 @@ def test_what_does_not_last_is_success_but_not_settled(later: RigidTransform) ->
     assert scene.verdict() == (Outcome.SUCCESS, 5, False)
 
 
-def test_settled_means_on_the_table() -> None:
-    """Even where any change of height passes for upright."""
-    config = EpisodeConfig(max_steps=20, max_height_change=1.0)
-    below = _shifted(0.0, 0.0, -0.3)
-    scene = Scene(lambda t: START if t < 0.49 else THERE if t < 0.95 else below, config=config)
+@pytest.mark.parametrize("gone", [_shifted(0.0, 0.0, -0.3), _shifted(0.12, 0.0)])
+def test_settled_means_on_the_table(gone: RigidTransform) -> None:
+    """Even where any change of height passes for upright and any place for the goal."""
+    config = EpisodeConfig(max_steps=20, max_height_change=1.0, goal_radius=0.15)
+    scene = Scene(lambda t: START if t < 0.49 else THERE if t < 0.95 else gone, config=config)
     scene.run()
     assert scene.verdict() == (Outcome.SUCCESS, 5, False)
 
@@ -214,7 +216,7 @@ def test_within_the_radius_of_the_goal_is_success(angle: float, distance: float)
 
 
 @settings(max_examples=25)
-@given(angles, st.floats(0.0501, 0.2))
+@given(angles, st.floats(0.0501, 0.089))
 def test_outside_of_it_is_not(angle: float, distance: float) -> None:
     far = _shifted(distance * np.cos(angle), distance * np.sin(angle))
     scene = Scene(_from(0.3, far))
@@ -281,6 +283,23 @@ def test_a_failure_ends_the_episode_at_once(later: RigidTransform, outcome: Outc
     np.testing.assert_allclose(scene.time, 0.7)
     assert outcome.name in status.FormatMessage()
     assert scene.output("halted") == 0
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("sign", [-1, 1])
+@pytest.mark.parametrize("tilt", [0.0, 1.2])
+def test_what_tips_over_the_edge_falls(axis: int, sign: int, tilt: float) -> None:
+    """Seen while its COM is still above the table top, and already tilted or not yet."""
+    for beyond, expected in (
+        (0.001, Outcome.FELL),
+        (-0.001, Outcome.TOPPLED if tilt else Outcome.RUNNING),
+    ):
+        p_WOcm = (R := RollPitchYaw(tilt, 0.0, 0.0).ToRotationMatrix()) @ P_OCM + [0, 0, HALF[2]]
+        shift = np.zeros(3)
+        shift[axis] = sign * (EDGE[axis] + beyond) - p_WOcm[axis]
+        scene = Scene(_from(0.3, RigidTransform(R, START.translation() * [0, 0, 1] + shift)))
+        scene.run(0.35)
+        assert scene.verdict()[0] == expected
 
 
 def test_a_toppled_object_at_the_goal_is_no_success() -> None:
