@@ -24,8 +24,8 @@ class PointCloudSensor(LeafSystem):
     ``object_pose``: abstract `RigidTransform`, X_WO in m.
 
     ``point_cloud``: vector of 3 N, the points p_WP in W in m, one after the other (reshape
-    to (N, 3)). Gaussian noise of the given deviation is added to every coordinate; it is
-    redrawn each policy step, so that within a step the cloud moves rigidly.
+    to (N, 3)). Gaussian noise of the given deviation is added to every coordinate in W; it
+    is redrawn each policy step and constant in W within a step, however the object turns.
 
     The noise is a function of seed, episode and policy step alone (parameter
     [seed, episode]); the system has no state.
