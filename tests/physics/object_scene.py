@@ -11,12 +11,13 @@ from pydrake.multibody.plant import (
     ExternallyAppliedSpatialForce,
     MultibodyPlantConfig,
 )
-from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from keypush.objects.model import ObjectModel
 from keypush.objects.plant import add_object
 from keypush.objects.table import add_table
+from keypush.rollout.episode import simulator_config
 from keypush.scenario import ObjectConfig, SimulationConfig, TableConfig
 
 GRAVITY = 9.81
@@ -27,9 +28,8 @@ FRICTION = 2 * 0.7 * 0.4 / (0.7 + 0.4)
 class ObjectScene:
     """An object that stands at Wo, and the simulator that moves it."""
 
-    def __init__(self, model: ObjectModel, integrator: str = "cenic") -> None:
-        simulation = SimulationConfig(integrator=integrator)
-        cenic = integrator == "cenic"
+    def __init__(self, model: ObjectModel, simulation: SimulationConfig) -> None:
+        cenic = simulation.integrator == "cenic"
         builder = DiagramBuilder()
         config = MultibodyPlantConfig(
             time_step=0.0 if cenic else simulation.discrete_period,
@@ -41,14 +41,7 @@ class ObjectScene:
         self.plant.Finalize()
         builder.ExportInput(self.plant.get_applied_spatial_force_input_port(), "force")
         self.simulator = Simulator(builder.Build())
-        if cenic:
-            settings = SimulatorConfig(
-                integration_scheme="cenic",
-                max_step_size=simulation.max_step,
-                accuracy=simulation.accuracy,
-                use_error_control=True,
-            )
-            ApplySimulatorConfig(settings, self.simulator)
+        ApplySimulatorConfig(simulator_config(simulation), self.simulator)
         self._root = self.simulator.get_mutable_context()
         self._context = self.plant.GetMyMutableContextFromRoot(self._root)
         self.push(np.zeros(3), np.zeros(3))
