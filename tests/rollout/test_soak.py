@@ -1,0 +1,41 @@
+"""A long run in one process: no exception, flat memory."""
+
+import resource
+from pathlib import Path
+
+import pytest
+
+from keypush.objects.catalogue import catalogue_names
+from keypush.rollout.episode import EpisodeRunner
+from keypush.scenario import Scenario
+
+EPISODES = 500
+
+
+def _resident_megabytes() -> float:
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * resource.getpagesize() / 1e6
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_500_episodes_leave_memory_flat() -> None:
+    """One diagram per object, as a worker has it: memory after the first round is the last's."""
+    names = catalogue_names()
+    per_object = 9
+    rounds = -(-EPISODES // (len(names) * per_object))
+    after_round = []
+    done = 0
+    for number in range(rounds):
+        for name in names:
+            scenario = Scenario(policy="keypoint", seed=number)
+            scenario.object.name = name
+            runner = EpisodeRunner(scenario)
+            for episode in range(per_object):
+                assert runner.run(episode).summary["outcome"] != "running"
+                done += 1
+        after_round.append(_resident_megabytes())
+        print(f"{done} episodes: {after_round[-1]:.0f} MB resident")
+    assert done >= EPISODES
+    assert after_round[-1] < after_round[1] + 40
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3 < 1000
