@@ -35,7 +35,6 @@ def test_500_episodes_leave_memory_flat() -> None:
                 assert runner.run(episode).summary["outcome"] != "running"
                 done += 1
         after_round.append(_resident_megabytes())
-        print(f"{done} episodes: {after_round[-1]:.0f} MB resident")
     assert done >= EPISODES
     assert after_round[-1] < after_round[1] + 40
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3 < 1000
