@@ -44,9 +44,11 @@ otherwise shoot forward later."""
 _PRESS = 0.003
 """How far below the tool the reference of a push is, m: about 1 N downwards."""
 _LARGEST_GAIN = 2.0
-_STEEPER = np.deg2rad([0.0, 6.0])
-"""Added to the pitch where the arm cannot reach the push otherwise; beyond this the palm
-would be ahead of the fingers and touch tall objects first."""
+_STEEPER = np.deg2rad([0.0, 6.0, 20.0])
+"""Added to the pitch where the arm cannot reach the push otherwise. At the last the palm is
+ahead of the fingers and touches tall objects first, so it is the last resort."""
+_STUCK = 60
+"""Policy steps on the way to a push after which the tool rises and tries anew."""
 _LOWER = (1.0, 0.75, 0.5)
 """Shares of the approach height that are tried where the arm cannot reach higher."""
 _OVERHEAD = 0.04
@@ -125,12 +127,12 @@ class PushStages:
         turn = rotation_vector(seen.X_WE.rotation(), self._wanted_rotation(state, seen))
         if np.linalg.norm(off) < _APPROACH_TOLERANCE and np.linalg.norm(turn) < _TURN_TOLERANCE:
             return self._enter(state, Stage.DESCEND)
-        return state
+        return self._enter(state, Stage.RISE) if state.steps > _STUCK else state
 
     def _after_descend(self, state: PlanState, seen: PushObservation) -> PlanState:
         if np.linalg.norm(state.p_WR - self._behind(seen)) < _ARRIVED:
             return self._enter(state, Stage.SETTLE)
-        return state
+        return self._enter(state, Stage.RISE) if state.steps > _STUCK else state
 
     def _after_settle(self, state: PlanState, seen: PushObservation) -> PlanState:
         off = seen.X_WE.translation() - self._behind(seen)
