@@ -24,6 +24,7 @@ from keypush.scenario import ControlConfig, PlannerConfig
 
 Array = NDArray[np.float64]
 
+# Lengths in m, angles in rad, steps in policy steps.
 _APPROACH_TOLERANCE = 0.015
 _TURN_TOLERANCE = 0.12
 _SETTLE_HEIGHT_TOLERANCE = 0.002
@@ -31,6 +32,8 @@ _SETTLE_TOLERANCE = 0.008
 _SETTLE_STEPS = 15
 _ARRIVED = 0.003
 _REAPPROACH_STEPS = 3
+# After a retreat the tool stays low if it is this far behind the contact, and not farther
+# than this beside the line of the push; else it goes over the object.
 _LOW_PATH_BEHIND = 0.02
 _LOW_PATH_BESIDE = 0.06
 _RETREAT_STEPS = 15
@@ -44,6 +47,7 @@ otherwise shoot forward later."""
 _PRESS = 0.003
 """How far below the tool the reference of a push is, m: about 1 N downwards."""
 _LARGEST_GAIN = 2.0
+"""Bound on undoing the damping of the inverse kinematics near singularities."""
 _STEEPER = np.deg2rad([0.0, 6.0, 20.0])
 """Added to the pitch where the arm cannot reach the push otherwise. At the last the palm is
 ahead of the fingers and touches tall objects first, so it is the last resort."""
