@@ -1,5 +1,6 @@
 """A long run in one process: no exception, flat memory."""
 
+import gc
 import resource
 from pathlib import Path
 
@@ -30,11 +31,12 @@ def test_500_episodes_leave_memory_flat() -> None:
         for name in names:
             scenario = Scenario(policy="keypoint", seed=number)
             scenario.object.name = name
+            gc.collect()  # as a worker does: Python does not see how much a diagram holds
             runner = EpisodeRunner(scenario)
             for episode in range(per_object):
                 assert runner.run(episode).summary["outcome"] != "running"
                 done += 1
         after_round.append(_resident_megabytes())
     assert done >= EPISODES
-    assert after_round[-1] < after_round[1] + 40
+    assert after_round[-1] < after_round[1] + 20
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3 < 1000
