@@ -12,12 +12,12 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from keypush.learning.hand import HAND_SIZE
 from keypush.learning.network_config import NetworkConfig
 
 OCTAVES = (2.0, 4.0, 8.0)
 """Angular frequencies of the Fourier features of a point, rad per unit of length in G."""
 POINT_FEATURES = 3 + 6 * len(OCTAVES)
-HAND_SIZE = 9
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from keypush.errors import UserError
 from keypush.learning.checkpoint import load_network
 from keypush.learning.forward import NumpyNetwork
 from keypush.learning.goal_frame import GoalFrame
-from keypush.learning.network import HAND_SIZE, KeypointNetwork
+from keypush.learning.network import KeypointNetwork
 from keypush.learning.patches import group_patches
 
 Vector = NDArray[np.float64]
@@ -108,14 +108,6 @@ class NetworkKeypoint(KeypointModel):
             query = np.concatenate([query, frame.to_goal(com)])
         p_GK = self._network(cloud, centres, members, query, frame.hand_to_goal(hand))
         return frame.to_world(p_GK)
-
-
-def hand_state(X_WE: NDArray[np.floating]) -> Vector:
-    """Returns the hand state of a tool pose X_WE given as a matrix (4, 4) or (3, 4)."""
-    state: Vector = np.empty(HAND_SIZE)
-    state[:3] = X_WE[:3, 3]
-    state[3:] = X_WE[:3, :2].T.ravel()
-    return state
 
 
 def load_keypoint_model(name_or_path: str | Path) -> NetworkKeypoint:

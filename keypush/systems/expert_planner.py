@@ -13,12 +13,10 @@ from keypush.planning.plan_state import PlanState, Stage
 from keypush.planning.push_frame import push_direction
 from keypush.scenario import ControlConfig, PlannerConfig
 from keypush.systems.episode_seed import declare_episode_seed, episode_generator, policy_step
-from keypush.systems.staged_planner import StagedPlanner
+from keypush.systems.staged_planner import SHORT_OF_GOAL, StagedPlanner
 
 _HALF_WIDTH = 0.02
 """Half the finger's width and its lateral error, m."""
-_GOAL_RADIUS = 0.05
-"""How far before the goal a push may end, m."""
 _BAND = (0.012, 0.04)
 """Heights at which the pitched finger can touch, m; the lower is the contact's own."""
 
@@ -90,7 +88,7 @@ class ExpertPlanner(StagedPlanner):
         goal = eval_vector(self._goal, context)
         d_W = push_direction(p_WOcm, goal)
         p_WP = self._p_OP_O @ X_WO.rotation().matrix().T + X_WO.translation()
-        distance = float(np.hypot(*(goal - p_WOcm[:2]))) - _GOAL_RADIUS
+        distance = float(np.hypot(*(goal - p_WOcm[:2]))) - SHORT_OF_GOAL
         return analytic_contact(p_WP, p_WOcm, d_W, _HALF_WIDTH, _BAND), d_W, distance
 
     def _reset_offset(self, context: Context, state: PlanState) -> NDArray[np.float64] | None:

@@ -10,6 +10,7 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, Context, EventStatus, LeafSystem, State
 
 from keypush.eval_ports import eval_abstract, eval_vector
+from keypush.learning.hand import hand_state
 
 if TYPE_CHECKING:
     from keypush.learning.predict import KeypointModel
@@ -68,8 +69,7 @@ class KeypointPredictor(LeafSystem):
     def predict(self, context: Context) -> NDArray[np.float64]:
         """Returns the model's prediction p_WK (3,) for the inputs, finite or not."""
         X_WE: RigidTransform = eval_abstract(self._tool_pose, context)
-        R_WE = X_WE.rotation().matrix()
-        hand = np.concatenate([X_WE.translation(), R_WE[:, 0], R_WE[:, 1]])
+        hand = hand_state(X_WE.GetAsMatrix34())
         com = eval_vector(self._com, context) if self._com.HasValue(context) else None
         cloud = eval_vector(self._cloud, context).reshape(-1, 3)
         return self._model.predict(cloud, eval_vector(self._goal, context), com, hand)

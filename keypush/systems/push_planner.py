@@ -8,10 +8,7 @@ from keypush.control.arm_kinematics import ArmKinematics
 from keypush.eval_ports import eval_vector
 from keypush.planning.push_frame import push_direction
 from keypush.scenario import ControlConfig, PlannerConfig
-from keypush.systems.staged_planner import StagedPlanner
-
-_GOAL_RADIUS = 0.05
-"""How far before the goal a push may end, m; the object's size shortens it further."""
+from keypush.systems.staged_planner import SHORT_OF_GOAL, StagedPlanner
 
 
 class PushPlanner(StagedPlanner):
@@ -65,5 +62,5 @@ class PushPlanner(StagedPlanner):
 
     def _aim(self, context: Context) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
         p_WK, goal = eval_vector(self._keypoint, context), eval_vector(self._goal, context)
-        distance = float(np.hypot(*(goal - p_WK[:2]))) - _GOAL_RADIUS
+        distance = float(np.hypot(*(goal - p_WK[:2]))) - SHORT_OF_GOAL
         return p_WK, push_direction(p_WK, goal), distance

@@ -15,6 +15,8 @@ from keypush.planning.stages import PushStages
 from keypush.robot.panda import NUM_JOINTS
 from keypush.scenario import ControlConfig, PlannerConfig
 
+SHORT_OF_GOAL = 0.05
+"""A push is planned to end this far before the goal, m: where it succeeds by default."""
 _PLAN = slice(0, PlanState.SIZE)
 _ACTION = slice(PlanState.SIZE, PlanState.SIZE + 6)
 _TARGET = slice(_ACTION.stop, _ACTION.stop + 3)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from keypush.errors import UserError
 from keypush.learning.checkpoint import save_network
 from keypush.learning.goal_frame import GoalFrame
+from keypush.learning.hand import hand_state
 from keypush.learning.network import NetworkInput
 from keypush.learning.network_config import NetworkConfig
 from keypush.learning.patches import group_patches_batch
@@ -16,7 +17,6 @@ from keypush.learning.predict import (
     CentroidKeypoint,
     KeypointModel,
     NetworkKeypoint,
-    hand_state,
     load_keypoint_model,
 )
 from tests.learning.scenes import SMALL, make_cloud, make_hand, make_network
