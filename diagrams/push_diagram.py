@@ -24,7 +24,7 @@ if TYPE_CHECKING:  # the expert runs without torch, which takes seconds to impor
     from keypush.learning.predict import KeypointModel
 
 _EXPERT_POINTS = 2000
-"""Surface points that stand for the object"s geometry in the expert."""
+"""Surface points that stand for the object's geometry in the expert."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class PushPolicy:
 
 @dataclass(frozen=True)
 class PushDiagram:
-    """A whole episode"s diagram; one per object, reset between episodes."""
+    """A whole episode's diagram; one per object, reset between episodes."""
 
     diagram: Diagram
     station: PushStation

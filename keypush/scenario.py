@@ -12,7 +12,7 @@ from typing import Any
 import yaml
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
-from keypush.errors import UserError
+from keypush.errors import UserError, one_line
 from keypush.scenario_check import check_values, check_yaml
 
 POLICIES = ("expert", "keypoint", "centroid")
@@ -251,7 +251,7 @@ def load_scenario(path: Path | str, defaults: Scenario | None = None) -> Scenari
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"scenario {path}: cannot be read: {_one_line(error)}") from error
+        raise UserError(f"scenario {path}: cannot be read: {one_line(error)}") from error
     return parse_scenario(text, source=str(path), defaults=defaults)
 
 
@@ -287,11 +287,7 @@ def _parse_yaml(text: str) -> object:
     try:
         return {} if yaml.compose(text, yaml.SafeLoader) is None else yaml.safe_load(text)
     except Exception as error:  # not only YAMLError: e.g. ValueError for the date 2000-13-01
-        raise UserError(f"not readable as YAML: {_one_line(error)}") from error
-
-
-def _one_line(error: BaseException) -> str:
-    return " ".join(str(error).split())
+        raise UserError(f"not readable as YAML: {one_line(error)}") from error
 
 
 def _check_goal(goal: list[float], table: TableConfig) -> None:

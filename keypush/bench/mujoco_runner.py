@@ -16,12 +16,9 @@ from keypush.rollout.episode import EpisodeResult, split_rows
 from keypush.rollout.start import StartSampler
 from keypush.scenario import Scenario
 from keypush.systems.differential_ik_controller import DifferentialIkController
-from keypush.systems.episode_monitor import Outcome
+from keypush.systems.episode_monitor import Outcome, longest_episode
 from keypush.systems.episode_seed import set_episode_seed
 from keypush.systems.torque_noise import TorqueNoise
-
-_SETTLING = 5.0
-"""More than the settled test can take after the last policy step, s."""
 
 
 class MujocoEpisodeRunner:
@@ -67,7 +64,7 @@ class MujocoEpisodeRunner:
         policy.log.FindMutableLog(context).Clear()
         self._simulator.Initialize()
         config = self._scenario.episode
-        self._simulator.AdvanceTo(config.max_steps * config.policy_period + _SETTLING)
+        self._simulator.AdvanceTo(longest_episode(config))
         return self._result(episode)
 
     def _result(self, episode: int) -> EpisodeResult:

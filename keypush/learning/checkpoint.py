@@ -9,7 +9,7 @@ import torch
 from safetensors import SafetensorError
 from safetensors.torch import load, save
 
-from keypush.errors import UserError
+from keypush.errors import UserError, one_line
 from keypush.learning.network import KeypointNetwork
 from keypush.learning.network_config import NetworkConfig
 from keypush.resources import weights_dir
@@ -44,7 +44,7 @@ def load_network(name_or_path: str | Path) -> KeypointNetwork:
     try:
         network.load_state_dict(load(path.read_bytes()))
     except (OSError, SafetensorError, RuntimeError) as error:
-        raise UserError(f"weights {path}: cannot be loaded: {_one_line(error)}") from error
+        raise UserError(f"weights {path}: cannot be loaded: {one_line(error)}") from error
     return network.eval()
 
 
@@ -74,7 +74,7 @@ def write_atomically(path: Path, content: bytes) -> None:
         temporary.write_bytes(content)
         temporary.replace(path)
     except OSError as error:
-        raise UserError(f"{path}: cannot be written: {_one_line(error)}") from error
+        raise UserError(f"{path}: cannot be written: {one_line(error)}") from error
 
 
 def _read_config(path: Path) -> NetworkConfig:
@@ -82,19 +82,15 @@ def _read_config(path: Path) -> NetworkConfig:
         return NetworkConfig(**json.loads(path.read_text(encoding="utf-8"))["network"])
     except OSError as error:
         raise UserError(
-            f"weights' description {path}: cannot be read: {_one_line(error)}"
+            f"weights' description {path}: cannot be read: {one_line(error)}"
         ) from error
     except (ValueError, KeyError, TypeError) as error:
         raise UserError(
             f"weights' description {path}: expected an object with the sizes of the network "
-            f"under 'network': {_one_line(error)}"
+            f"under 'network': {one_line(error)}"
         ) from error
 
 
 def parameter_count(network: torch.nn.Module) -> int:
     """Counts the trained numbers."""
     return sum(parameter.numel() for parameter in network.parameters())
-
-
-def _one_line(error: BaseException) -> str:
-    return " ".join(str(error).split())[:300]

@@ -15,14 +15,11 @@ from diagrams.push_diagram import MakePushDiagram, PushDiagram
 from keypush.rollout.start import EpisodeStart, StartSampler
 from keypush.scenario import POLICIES, Scenario, SimulationConfig
 from keypush.systems.episode_logger import ROW_COLUMNS
-from keypush.systems.episode_monitor import Outcome
+from keypush.systems.episode_monitor import Outcome, longest_episode
 from keypush.systems.episode_seed import set_episode_seed
 
 if TYPE_CHECKING:
     from keypush.learning.predict import KeypointModel
-
-_SETTLING = 5.0
-"""More than the settled test can take after the last policy step, s."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +62,7 @@ class EpisodeRunner:
             RuntimeError: the simulation failed.
         """
         self.reset(episode)
-        limit = self.scenario.episode.max_steps * self.scenario.episode.policy_period
-        self._simulator.AdvanceTo(limit + _SETTLING)
+        self._simulator.AdvanceTo(longest_episode(self.scenario.episode))
         return self._result(episode)
 
     def reset(self, episode: int) -> EpisodeStart:

@@ -38,6 +38,12 @@ _UP = slice(8, 11)
 _COM_HEIGHT = 11
 
 
+def longest_episode(config: EpisodeConfig) -> float:
+    """Returns a time in s by which the monitor has ended every episode."""
+    steps = config.max_steps + 3  # the settled test begins and ends at policy steps
+    return steps * config.policy_period + _LONGEST_STOP + config.settle_time
+
+
 class EpisodeMonitor(LeafSystem):
     """Judges the episode once per policy step and ends the simulation.
 

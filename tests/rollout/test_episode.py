@@ -180,3 +180,12 @@ def test_a_field_set_out_of_range_is_refused() -> None:
     scenario.object.mass = float("nan")
     with pytest.raises(UserError, match=r"object\.mass is nan"):
         EpisodeRunner(scenario)
+
+
+def test_a_settled_test_longer_than_the_policy_steps_left_is_waited_for() -> None:
+    scenario = parse_scenario("{policy: expert, object: {name: disc}}")
+    scenario.episode.max_steps, scenario.episode.settle_time = 80, 10.0
+    result = EpisodeRunner(scenario).run(2)
+    assert result.summary["success"]
+    assert result.summary["settled_success"]
+    assert result.seconds > 10.0
