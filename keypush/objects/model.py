@@ -6,9 +6,10 @@ from functools import cached_property
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
+from pydrake.math import RotationMatrix
 
-from keypush.objects.mass import uniform_density
+from keypush.objects.asset import ObjectAsset
+from keypush.objects.resting import support_polygon
 
 BASE_TOLERANCE = 1e-6
 """Vertices within this distance in m of the lowest one belong to the base."""
@@ -19,11 +20,17 @@ class ObjectModel:
     """An object in its own frame O: upright, z up, Oo in the centre of its bounding box."""
 
     name: str
-    """Catalogue name."""
+    """Of a built-in object, or of one that the user has added."""
     size_ratio: float
-    """Size relative to the catalogue's."""
+    """Size relative to the object's own."""
     mesh: trimesh.Trimesh
-    """Closed mesh in O, for contact, sight and sampling; treat it as read-only."""
+    """Closed mesh in O that touches; treat it as read-only."""
+    visual: trimesh.Trimesh
+    """Mesh in O that is seen; likewise."""
+    p_OP: NDArray[np.float64]
+    """Points drawn uniformly by area over the whole of `visual`, (4096, 3)."""
+    normals_O: NDArray[np.float64]
+    """Outward unit normals there, (4096, 3)."""
     mass: float
     """kg."""
     p_OoOcm_O: NDArray[np.float64]
@@ -35,12 +42,12 @@ class ObjectModel:
 
     @property
     def vertices(self) -> NDArray[np.float64]:
-        """Mesh vertices in O, (v, 3)."""
+        """Vertices of what touches, in O, (v, 3)."""
         return np.asarray(self.mesh.vertices, dtype=float)
 
     @property
     def faces(self) -> NDArray[np.int64]:
-        """Mesh triangles, (f, 3), anticlockwise seen from outside."""
+        """Triangles of what touches, (f, 3), anticlockwise seen from outside."""
         return np.asarray(self.mesh.faces, dtype=np.int64)
 
     @cached_property
@@ -51,14 +58,12 @@ class ObjectModel:
     @cached_property
     def bounding_radius(self) -> float:
         """Radius about Oo of the sphere that holds the object, m."""
-        return float(np.linalg.norm(self.vertices, axis=1).max())
+        return float(np.linalg.norm(self.visual.vertices, axis=1).max())
 
     @cached_property
     def support_polygon(self) -> NDArray[np.float64]:
         """Convex hull of the base in Oxy, (k, 2), anticlockwise."""
-        vertices = self.vertices
-        base = vertices[vertices[:, 2] < vertices[:, 2].min() + BASE_TOLERANCE, :2]
-        return np.asarray(base[ConvexHull(base).vertices])
+        return support_polygon(self.vertices, RotationMatrix(), BASE_TOLERANCE)
 
     @cached_property
     def reference_points(self) -> NDArray[np.float64]:
@@ -68,32 +73,41 @@ class ObjectModel:
         return np.asarray(low + corners * (high - low))
 
     def surface_points(self, count: int, rng: np.random.Generator) -> NDArray[np.float64]:
-        """Draws points uniformly by area over the whole surface.
+        """Draws some of the points on the surface, each at most once.
+
+        Args:
+            count: at most 4096.
+            rng: source of the draw.
 
         Returns:
             (count, 3) points in O.
         """
-        triangles = self.vertices[self.faces]
-        area = np.asarray(self.mesh.area_faces)
-        chosen = triangles[rng.choice(len(area), size=count, p=area / area.sum())]
-        # Source: Osada et al., "Shape Distributions", 2002, eq. (1).
-        root, share = np.sqrt(rng.random(count)), rng.random(count)
-        weights = np.column_stack([1 - root, root * (1 - share), root * share])
-        return np.asarray(np.einsum("nk,nkd->nd", weights, chosen))
+        return self.p_OP[rng.choice(len(self.p_OP), size=count, replace=False)]
 
 
-def model_from_mesh(
-    name: str,
-    mesh: trimesh.Trimesh,
-    *,
-    size_ratio: float,
-    mass: float,
-    colour: tuple[float, float, float, float],
-) -> ObjectModel:
-    """Makes the model of a mesh that is already in O, with uniform density.
+def scaled_model(asset: ObjectAsset, size_ratio: float, mass: float | None = None) -> ObjectModel:
+    """Makes the model of an asset at a size, with uniform density.
 
-    Raises:
-        ValueError: the mesh is not closed.
+    Args:
+        asset: object at size ratio 1.
+        size_ratio: factor on all lengths.
+        mass: kg; None: the asset's own.
     """
-    com, inertia = uniform_density(mesh, mass)
-    return ObjectModel(name, size_ratio, mesh, mass, com, inertia, colour)
+    mass = asset.mass if mass is None else mass
+    points, normals = asset.surface_samples
+    return ObjectModel(
+        name=asset.name,
+        size_ratio=size_ratio,
+        mesh=_scaled(asset.collision, size_ratio),
+        visual=_scaled(asset.visual, size_ratio),
+        p_OP=points * size_ratio,
+        normals_O=normals,
+        mass=mass,
+        p_OoOcm_O=asset.p_OoOcm_O * size_ratio,
+        I_OOcm_O=asset.inertia_per_mass * (mass * size_ratio**2),
+        colour=(*asset.colour, 1.0),
+    )
+
+
+def _scaled(mesh: trimesh.Trimesh, factor: float) -> trimesh.Trimesh:
+    return trimesh.Trimesh(np.asarray(mesh.vertices) * factor, mesh.faces, process=False)

@@ -1,8 +1,7 @@
 """Adds an object to a plant."""
 
-import io
-
 import numpy as np
+import trimesh
 from pydrake.common import MemoryFile
 from pydrake.geometry import (
     AddContactMaterial,
@@ -15,6 +14,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import RigidBody, RotationalInertia, SpatialInertia
 
+from keypush.objects.asset import obj_text
 from keypush.objects.model import ObjectModel
 
 OBJECT_BODY = "object"
@@ -34,16 +34,16 @@ def add_object(plant: MultibodyPlant, model: ObjectModel, friction: float) -> Ri
     """
     instance = plant.AddModelInstance(OBJECT_BODY)
     body = plant.AddRigidBody(OBJECT_BODY, instance, spatial_inertia(model))
-    shape = drake_mesh(model)
+    touches = drake_mesh(model.mesh)
     properties = ProximityProperties()
     AddRigidHydroelasticProperties(properties=properties)
     AddContactMaterial(
         properties=properties, friction=CoulombFriction(static_friction=friction,
                                                         dynamic_friction=friction)
     )  # fmt: skip
-    plant.RegisterCollisionGeometry(body, RigidTransform(), shape, "object_collision", properties)
+    plant.RegisterCollisionGeometry(body, RigidTransform(), touches, "object_collision", properties)
     plant.RegisterVisualGeometry(
-        body, RigidTransform(), shape, "object_visual", np.array(model.colour)
+        body, RigidTransform(), drake_mesh(model.visual), "object_visual", np.array(model.colour)
     )
     return body
 
@@ -61,12 +61,7 @@ def spatial_inertia(model: ObjectModel) -> SpatialInertia:
     )  # fmt: skip
 
 
-def drake_mesh(model: ObjectModel) -> Mesh:
-    """Returns the model's mesh as OBJ text in memory, so that no file is involved."""
-    text = io.StringIO()
-    for x, y, z in model.vertices:
-        text.write(f"v {x:.9g} {y:.9g} {z:.9g}\n")
-    for a, b, c in model.faces + 1:
-        text.write(f"f {a} {b} {c}\n")
-    file = MemoryFile(text.getvalue(), ".obj", f"{model.name}.obj")
+def drake_mesh(mesh: trimesh.Trimesh) -> Mesh:
+    """Returns a mesh as OBJ text in memory, so that no file is involved."""
+    file = MemoryFile(obj_text(mesh), ".obj", "object.obj")
     return Mesh(mesh_data=InMemoryMesh(mesh_file=file), scale=1.0)

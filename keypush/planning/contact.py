@@ -7,6 +7,16 @@ from keypush.planning.push_frame import left_of
 
 Array = NDArray[np.float64]
 
+_HALF_WIDTH = 0.02
+"""Half the finger's width and its lateral error, m."""
+_BAND = (0.012, 0.04)
+"""Heights at which the pitched finger can touch, m; the lower is the contact's own."""
+
+
+def finger_contact(p_WP: Array, p_WOcm: Array, d_W: Array) -> Array:
+    """Returns the `analytic_contact` of the pitched finger, (3,); arguments are the same."""
+    return analytic_contact(p_WP, p_WOcm, d_W, _HALF_WIDTH, _BAND)
+
 
 def analytic_contact(
     p_WP: Array, p_WOcm: Array, d_W: Array, half_width: float, band: tuple[float, float]

@@ -13,12 +13,12 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.eigen_geometry import AngleAxis
-from pydrake.math import RotationMatrix
+from pydrake.math import RigidTransform, RotationMatrix
 
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.control.differential_ik import undamped_action
 from keypush.planning.plan_state import UNDECIDED, PlanState, PushObservation, Stage
-from keypush.planning.posture import Posture, choose_posture
+from keypush.planning.posture import Posture, choose_posture, solve_ik
 from keypush.planning.push_frame import left_of, rotation_vector, tool_rotation
 from keypush.scenario import ControlConfig, PlannerConfig
 
@@ -91,6 +91,15 @@ class PushStages:
         J = self._arm.jacobian(seen.q)
         a = self._config.tracking_gain * np.concatenate([offset, turn])
         return undamped_action(J, a, self._control.damping, _LARGEST_GAIN)
+
+    def start_error(self, seen: PushObservation) -> float:
+        """Returns how far the arm stays from where the push starts, m (a tenth of it for rad)."""
+        posture = self._choose_posture(seen)
+        R_WE = tool_rotation(seen.d_W, posture.pitch, posture.side)
+        above = self._behind(seen)
+        above[2] = posture.height
+        q, _ = solve_ik(self._arm, seen.q, RigidTransform(R_WE, above))
+        return solve_ik(self._arm, q, RigidTransform(R_WE, self._behind(seen)))[1]
 
     # Which stage -----------------------------------------------------------------------
 

@@ -1,0 +1,81 @@
+"""Adds a mesh file to the user's objects."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from keypush import __version__
+from keypush.errors import UserError
+from keypush.objects.asset import ObjectAsset, write_asset
+from keypush.objects.build import BuildOptions, build_asset
+from keypush.objects.importing.process import import_mesh
+from keypush.objects.library import check_new_name, user_objects_dir
+
+_RANGES = {"scale": (0.02, 0.5), "mass": (0.001, 10.0), "density": (1.0, 25_000.0)}
+"""Allowed diameters in m, masses in kg, densities in kg/m^3."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AddOptions:
+    """What a mesh file does not say."""
+
+    diameter: float = 0.1
+    """Of the bounding sphere, m."""
+    up: str | None = None
+    """Axis of the file that points up; None: the object rests as it does likeliest."""
+    density: float | None = None
+    """kg/m^3."""
+    mass: float | None = None
+    """kg."""
+
+    def validate(self) -> None:
+        """Checks the ranges.
+
+        Raises:
+            UserError: names the option, what it holds and what is allowed.
+        """
+        values = {"scale": self.diameter, "mass": self.mass, "density": self.density}
+        for name, value in values.items():
+            low, high = _RANGES[name]
+            if value is not None and not (math.isfinite(value) and low <= value <= high):
+                raise UserError(f"--{name} is {value!r}; allowed: {low:g} to {high:g}")
+        if self.mass is not None and self.density is not None:
+            raise UserError("--mass and --density are both given; allowed: one of them")
+
+
+def add_object_file(
+    file: Path, name: str, options: AddOptions | None = None
+) -> tuple[ObjectAsset, Path]:
+    """Reads a mesh file, mends it, and stores it as an object, whole or not at all.
+
+    Args:
+        file: OBJ, STL, PLY, GLB, glTF or OFF.
+        name: of the new object.
+        options: what the file does not say.
+
+    Returns:
+        The object and the folder in which it is stored.
+
+    Raises:
+        UserError: the name is taken or misspelled, an option is out of range, or the file
+            holds nothing that can be pushed.
+    """
+    options = options or AddOptions()
+    check_new_name(name)
+    options.validate()
+    found = import_mesh(file)
+    build = BuildOptions(
+        diameter=options.diameter, up=options.up, mass=options.mass, density=options.density
+    )
+    if found.colour is not None:
+        build = BuildOptions(**{**build.__dict__, "colour": found.colour})
+    provenance = {
+        "file": file.name,
+        "sha256": found.sha256,
+        "keypush": __version__,
+        "notes": list(found.notes),
+    }
+    asset = build_asset(name, found.solid, found.surface, build, provenance)
+    folder = user_objects_dir() / name
+    write_asset(asset, folder)
+    return asset, folder

@@ -1,0 +1,151 @@
+"""Imports a mesh file in a process of its own, which may hang, crash or run out of memory."""
+
+import multiprocessing
+import os
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from multiprocessing import resource_tracker
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from keypush.errors import UserError
+from keypush.objects.importing.read import check_file
+from keypush.objects.importing.result import ImportedMesh
+from keypush.objects.importing.steps import Draft
+from keypush.objects.importing.worker import Message, Refused, serve
+
+REPAIR_SECONDS = 8.0
+"""After this the convex hull has to do."""
+_STOP_SECONDS = 5.0
+
+
+def import_mesh(path: Path, time_limit: float = 60.0) -> ImportedMesh:
+    """Makes a closed solid of a mesh file.
+
+    Args:
+        path: OBJ, STL, PLY, GLB, glTF or OFF.
+        time_limit: s for all of it; reading a million faces takes about 20.
+
+    Raises:
+        UserError: one line that names the file, what was found and what is allowed.
+    """
+    with Importer() as importer:
+        return importer.import_mesh(path, time_limit)
+
+
+class Importer:
+    """A process that imports one file after the other; a new one is started when it dies."""
+
+    def __init__(self, repair_seconds: float = REPAIR_SECONDS) -> None:
+        """Args: time in s after which the convex hull has to do."""
+        self._repair_seconds = repair_seconds
+        self._process: SpawnProcess | None = None
+        self._connection: Connection | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Ends the process."""
+        self._stop()
+
+    def import_mesh(self, path: Path, time_limit: float = 60.0) -> ImportedMesh:
+        """Does what the function `import_mesh` does."""
+        check_file(path)
+        connection = self._start()
+        connection.send((path, time_limit))
+        end = time.monotonic() + time_limit
+        first = self._receive(connection, end)
+        if isinstance(first, Refused):
+            raise UserError(first.text)
+        if isinstance(first, str):
+            raise UserError(f"{path}: cannot be read as a mesh: reading it {first}")
+        if not isinstance(first, Draft):
+            return first.result
+        last = self._receive(connection, min(end, time.monotonic() + self._repair_seconds))
+        if isinstance(last, str):
+            notes = (*first.result.notes, f"repairing it {last}")
+            return replace(first.result, notes=notes)
+        if isinstance(last, Refused):
+            notes = (*first.result.notes, "repairing it failed")
+            return replace(first.result, notes=notes)
+        return last.result
+
+    def _start(self) -> Connection:
+        if self._connection is not None:
+            return self._connection
+        context = multiprocessing.get_context("spawn")
+        ours, theirs = context.Pipe()
+        process = context.Process(target=serve, args=(theirs,), daemon=True)
+        with _quiet_start():
+            process.start()
+        theirs.close()
+        self._process, self._connection = process, ours
+        return ours
+
+    def _stop(self) -> None:
+        if self._process is None or self._connection is None:
+            return
+        self._process.terminate()
+        self._process.join(_STOP_SECONDS)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+        self._connection.close()
+        self._process = self._connection = None
+
+    def _receive(self, connection: Connection, end: float) -> Message | str:
+        """Returns the next message, or in words why none came, and then stops the process."""
+        start = time.monotonic()
+        try:
+            if connection.poll(max(end - start, 0.0)):
+                message: Message = connection.recv()
+                return message
+            why = f"took longer than {time.monotonic() - start:.0f} s"
+        except (EOFError, ConnectionResetError):
+            why = f"crashed a library ({self._cause()})"
+        self._stop()
+        return why
+
+    def _cause(self) -> str:
+        if self._process is None:
+            return "process gone"
+        self._process.join(_STOP_SECONDS)
+        status = self._process.exitcode
+        return signal.Signals(-status).name if status and status < 0 else f"exit status {status}"
+
+
+@contextmanager
+def _quiet_start() -> Iterator[None]:
+    """What a process started inside inherits: one thread, and SIGINT blocked.
+
+    Blocked before it starts, Ctrl-C cannot reach it even while it imports; the parent,
+    which gets it as well, ends it. One thread, so that the memory limit is not eaten by
+    stacks and sums round in the same order on every machine.
+    """
+    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+    before = {name: os.environ.get(name) for name in names}
+    # Its first start unblocks SIGINT again, so it must not happen inside.
+    resource_tracker.ensure_running()
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    os.environ.update(dict.fromkeys(names, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)

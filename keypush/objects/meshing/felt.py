@@ -1,0 +1,76 @@
+"""The support polygon that Drake's contact feels, against the true one.
+
+Drake integrates hydroelastic pressure with one point per contact polygon, its centroid. So an
+object that rests on a face feels support at that face's centroid, not at its corners.
+"""
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from pydrake.math import RotationMatrix
+
+Array = NDArray[np.float64]
+
+FLAT = 1e-6
+"""Vertices within this distance in m of the lowest one lie in the plane."""
+_DIRECTIONS = np.linspace(0.0, 2 * np.pi, 720, endpoint=False)
+
+
+def felt_points(mesh: trimesh.Trimesh, R_WO: RotationMatrix) -> Array:
+    """Returns where a resting mesh feels support, (n, 2) in Wxy.
+
+    These are the centroids of the faces in the plane, and the corners in the plane that belong to
+    none of them: there the contact polygon is the tip of a corner.
+    """
+    p_W = np.asarray(mesh.vertices) @ R_WO.matrix().T
+    low = p_W[:, 2] < p_W[:, 2].min() + FLAT
+    faces = np.asarray(mesh.faces)
+    flat = faces[low[faces].all(axis=1)]
+    alone = low.copy()
+    alone[flat.ravel()] = False
+    return np.vstack([p_W[flat].mean(axis=1)[:, :2], p_W[alone, :2]])
+
+
+def support_gap(felt: Array, polygon: Array) -> float:
+    """Returns by how much the felt polygon falls short of the true one at worst, m.
+
+    It is the Hausdorff distance of the two convex hulls where the felt one lies inside.
+
+    Args:
+        felt: (n, 2) points of support.
+        polygon: (k, 2) corners of the true polygon.
+    """
+    directions = np.column_stack([np.cos(_DIRECTIONS), np.sin(_DIRECTIONS)])
+    gap = (polygon @ directions.T).max(axis=0) - (felt @ directions.T).max(axis=0)
+    return float(gap.max())
+
+
+def tipping_inset(
+    felt: Array, areas: Array, polygon: Array, weight: float, com_height: float, stiffness: float
+) -> float:
+    """Returns how far inside the true support polygon an object tips at worst, m.
+
+    The plane is a foundation that only presses. An object that tilts by phi about a line stands
+    on what is felt beyond the line: stiffness times phi times the first moment of that area is
+    the weight, and the pressure's centre is where the COM may at most be, which has moved by
+    com_height times phi meanwhile. Of all lines the best counts.
+
+    Args:
+        felt: (n, 2) points of support.
+        areas: (n,) their areas, m^2.
+        polygon: (k, 2) corners of the true polygon.
+        weight: N.
+        com_height: of the centre of mass above the plane, m.
+        stiffness: of the foundation, Pa/m.
+    """
+    worst = -np.inf
+    for angle in _DIRECTIONS[::15]:
+        direction = np.array([np.cos(angle), np.sin(angle)])
+        s = felt @ direction
+        lines = s.max() - np.geomspace(1e-5, np.ptp(s), 60)
+        moments = np.clip(s - lines[:, None], 0.0, None) * areas
+        total = moments.sum(axis=1)
+        tilt = weight / (stiffness * total)
+        reach = float(np.max((moments @ s) / total - com_height * tilt))
+        worst = max(worst, float(np.max(polygon @ direction)) - reach)
+    return worst

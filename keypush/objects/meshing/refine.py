@@ -1,0 +1,170 @@
+"""Divides the faces of a resting plane so that the support polygon is felt where it is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, cKDTree
+
+from keypush.objects.meshing.caps import Cap, triangulate_cap
+from keypush.objects.meshing.felt import FLAT, support_gap, tipping_inset
+from keypush.objects.meshing.outline import outline_loops
+from keypush.objects.meshing.surface import FREE, Surface
+from keypush.objects.resting import RestingPose
+
+Array = NDArray[np.float64]
+
+SUPPORT_GAP = 9e-4
+"""The felt support polygon falls short of the true one by at most this, m."""
+TIPPING_INSETS = ((5e11, 8.5e-4), (5e9, 1.9e-3))
+"""On a table of such stiffness, in Pa/m, an upright object tips at most so far inside its support
+polygon, m: one so hard that the mesh alone decides, and the one that ships (see `table`)."""
+_WEIGHT = 1.0
+"""N."""
+_RIMS = ((0.0, 0.0), (2e-3, 2.5e-3), (1.4e-3, 1e-3), (8e-4, 2.5e-3), (8e-4, 1e-3), (5e-4, 1e-3),
+         (5e-4, 0.0))  # fmt: skip
+"""What is tried: width of a rim, and the distance from a line within which corners of its inside
+are left out, m."""
+_EAR_GAP = 4.5e-4
+"""How far inside its corner the centroid of an ear lies, m."""
+_EAR_SHARE = 0.4
+"""Share of an outline's edge that an ear takes at most."""
+_SHORT, _ROOM = 1e-3, 1.5
+"""Edges that are shorter, m, or not so many times longer than an ear's side are its side whole."""
+_SHARP = np.deg2rad(28.0)
+"""Corners of a support polygon that turn by more get an ear at once."""
+
+
+@dataclass(frozen=True)
+class Support:
+    """What a resting plane has to carry."""
+
+    pose: RestingPose
+    polygon: Array
+    """The true support polygon (k, 2) in Wxy."""
+    com_height: float | None
+    """Height of the centre of mass above the plane, m; None: where it tips does not matter."""
+
+    def shortfall(self, felt: Array, areas: Array) -> float:
+        """Returns how much of what is allowed is used: at most 1 where it is felt well enough.
+
+        Args:
+            felt: (n, 2) points of support in Wxy.
+            areas: (n,) their areas, m^2.
+        """
+        worst = support_gap(felt, self.polygon) / SUPPORT_GAP
+        for stiffness, most in TIPPING_INSETS if self.com_height is not None else ():
+            inset = tipping_inset(
+                felt, areas, self.polygon, _WEIGHT, self.com_height or 0.0, stiffness
+            )
+            worst = max(worst, inset / most)
+        return worst
+
+
+def refine_plane(surface: Surface, plane: int, support: Support) -> None:
+    """Replaces the faces of a resting plane, by as few as the support needs.
+
+    Args:
+        surface: mesh under edit; faces in the plane have its number as their label.
+        plane: number of the plane.
+        support: what it has to carry.
+    """
+    R, height = support.pose.R_WO.matrix(), support.pose.height
+    points = np.array(surface.points) @ R.T
+    used = np.array([bool(faces) for faces in surface.around])
+    touching: list[int] = np.flatnonzero(used & (points[:, 2] < -height + FLAT)).tolist()
+    _label_flat_faces(surface, plane, set(touching))
+    if plane not in surface.labels.values():
+        return  # it rests on corners and edges alone, which are felt where they are
+    hull = points[touching, :2][ConvexHull(points[touching, :2]).vertices]
+    lone = [v for v in touching if plane not in surface.planes_of(v)]
+    alone = points[np.array(lone, dtype=np.int64), :2]
+    turns = _hull_corners(surface, plane, R, hull)
+    for least in (_SHARP, 0.0):
+        ears = {v for v, turn in turns.items() if turn > least}
+        for v in ears:
+            _make_room(surface, plane, v, turns[v])
+        loops = outline_loops(surface, plane)
+        caps = [_triangulate(surface, loops, ears, R, rim, coarse) for rim, coarse in _RIMS]
+        caps.sort(key=lambda cap: len(cap.faces))
+        short = [_shortfall(support, cap, alone) for cap in caps]
+        if min(short) <= 1.0:
+            break
+    # Where none will do, the best, or almost as good a one with fewer faces.
+    enough = max(1.0, 1.05 * min(short))
+    cap = next(cap for cap, value in zip(caps, short, strict=True) if value <= enough)
+    _replace(surface, plane, loops, cap, support.pose)
+
+
+def _shortfall(support: Support, cap: Cap, alone: Array) -> float:
+    """Of a cap together with corners that rest in the plane by themselves (n, 2)."""
+    felt = np.vstack([cap.centroids(), alone])
+    return support.shortfall(felt, np.concatenate([cap.areas(), np.zeros(len(alone))]))
+
+
+def _label_flat_faces(surface: Surface, plane: int, touching: set[int]) -> None:
+    """Labels faces that decimation has left in the plane."""
+    for f, face in surface.faces.items():
+        if surface.labels[f] == FREE and touching.issuperset(face):
+            surface.labels[f] = plane
+
+
+def _hull_corners(surface: Surface, plane: int, R: Array, hull: Array) -> dict[int, float]:
+    """Vertices of the plane's outlines at corners of their hull, and how far they turn there."""
+    corners = cKDTree(hull)
+    found: dict[int, float] = {}
+    for loop in outline_loops(surface, plane):
+        # Seen from above a plane's faces run clockwise, since they face down.
+        flat = (np.array([surface.points[v] for v in loop]) @ R.T)[::-1, :2]
+        before, after = flat - np.roll(flat, 1, axis=0), np.roll(flat, -1, axis=0) - flat
+        cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+        turn = np.arctan2(cross, np.sum(before * after, axis=1))
+        at = corners.query(flat)[0] < FLAT
+        found |= {loop[-1 - i]: float(turn[i]) for i in np.flatnonzero(at)}
+    return found
+
+
+def _make_room(surface: Surface, plane: int, v: int, turn: float) -> None:
+    """Splits the outline's edges at a corner, so that an ear's sides end there."""
+    # The centroid of an isosceles triangle with sides s is 2/3 s sin(turn / 2) from its top.
+    side = 1.5 * _EAR_GAP / max(np.sin(turn / 2), 1e-3)
+    for loop in outline_loops(surface, plane):
+        if v not in loop:
+            continue
+        i = loop.index(v)
+        for w in (loop[i - 1], loop[(i + 1) % len(loop)]):
+            offset = surface.points[w] - surface.points[v]
+            length = float(np.linalg.norm(offset))
+            here = min(side, _EAR_SHARE * length)
+            if length > _ROOM * here and length > _SHORT:
+                surface.split(v, w, surface.points[v] + offset * (here / length))
+
+
+def _triangulate(
+    surface: Surface, loops: list[list[int]], ears: set[int], R: Array, rim: float, coarse: float
+) -> Cap:
+    flat = [(np.array([surface.points[v] for v in loop]) @ R.T)[:, :2] for loop in loops]
+    # Seen from above a plane's faces run clockwise, since they face down.
+    flat = [loop[::-1] for loop in flat]
+    places = []
+    for k, loop in enumerate(loops):
+        corners = [i for i, v in enumerate(reversed(loop)) if v in ears]
+        # Two ears cannot share a side: of two corners that are next to each other one has to do.
+        taken: set[int] = set()
+        for i in corners:
+            if not {(i - 1) % len(loop), (i + 1) % len(loop)} & taken and len(loop) > 3:
+                taken.add(i)
+        places += [(k, i) for i in taken]
+    return triangulate_cap(flat, places, rim, coarse)
+
+
+def _replace(
+    surface: Surface, plane: int, loops: list[list[int]], cap: Cap, pose: RestingPose
+) -> None:
+    for f in [f for f, label in surface.labels.items() if label == plane]:
+        surface.remove_face(f)
+    ids = [v for loop in loops for v in reversed(loop)]
+    for x, y in cap.points[len(ids) :]:
+        ids.append(surface.add_point(pose.R_WO.matrix().T @ np.array([x, y, -pose.height])))
+    for a, b, c in cap.faces:
+        surface.add_face((ids[c], ids[b], ids[a]), plane)
