@@ -10,7 +10,7 @@ from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput, Ve
 
 from diagrams.station import MakePushStation, PushStation
 from keypush.control.arm_kinematics import ArmKinematics
-from keypush.objects.catalogue import make_object
+from keypush.objects.library import make_object
 from keypush.objects.model import ObjectModel
 from keypush.scenario import Scenario
 from keypush.seeding import make_generator

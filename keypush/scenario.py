@@ -5,7 +5,7 @@ table top, z up, x away from the robot), B robot base, E tool tip, O object.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +17,17 @@ from keypush.scenario_check import check_values, check_yaml
 
 POLICIES = ("expert", "keypoint", "centroid")
 INTEGRATORS = ("cenic", "discrete")
+VARIED_FIELDS = {
+    "size": ("object", "size_ratio"),
+    "mass": ("object", "mass"),
+    "object_friction": ("object", "friction"),
+    "table_friction": ("table", "friction"),
+    "gripper_friction": ("robot", "gripper_friction"),
+}
+"""Section and name of the field that each of the factors in `variation` multiplies."""
 
 
-def _number(default: float, low: float, high: float) -> Any:
+def _number(default: float | None, low: float, high: float) -> Any:
     """A numeric field with its closed range of allowed values."""
     return field(default=default, metadata={"range": (low, high)})
 
@@ -29,6 +37,14 @@ def _vector(default: list[float], low: float, high: float) -> Any:
     return field(
         default_factory=lambda: list(default),
         metadata={"range": (low, high), "length": len(default)},
+    )
+
+
+def _factors(low: float, high: float) -> Any:
+    """The lowest and the highest factor on another field, by default 1 and 1."""
+    return field(
+        default_factory=lambda: [1.0, 1.0],
+        metadata={"range": (low, high), "length": 2, "ordered": True},
     )
 
 
@@ -42,11 +58,11 @@ class ObjectConfig:
     """The object that is pushed."""
 
     name: str = "mug"
-    """Catalogue name."""
+    """Name of a built-in object, or of one that was added."""
     size_ratio: float = _number(1.0, 0.25, 3.0)
-    """Size relative to the catalogue's, whose bounding sphere about O is 0.10 m across."""
-    mass: float = _number(0.1, 0.001, 10.0)
-    """Mass in kg; the inertia is that of uniform density."""
+    """Size relative to the object's own; the sphere about a built-in one is 0.10 m across."""
+    mass: float | None = _number(None, 0.001, 10.0)
+    """Mass in kg; the object's own, 0.1 for a built-in one, when null."""
     friction: float = _number(0.7, 0.0, 3.0)
     """Coulomb coefficient; Drake combines a pair as 2ab/(a+b)."""
 
@@ -202,6 +218,29 @@ class PlannerConfig:
 
 
 @dataclass(kw_only=True)
+class VariationConfig:
+    """What differs from episode to episode; nothing by default.
+
+    Every episode draws its factors uniformly between the two that a field gives.
+    """
+
+    size: list[float] = _factors(0.25, 3.0)
+    """Lowest and highest factor on `object.size_ratio`."""
+    mass: list[float] = _factors(0.05, 20.0)
+    """Factors on `object.mass`."""
+    object_friction: list[float] = _factors(0.0, 3.0)
+    """Factors on `object.friction`."""
+    table_friction: list[float] = _factors(0.0, 3.0)
+    """Factors on `table.friction`."""
+    gripper_friction: list[float] = _factors(0.0, 3.0)
+    """Factors on `robot.gripper_friction`."""
+    com_shift: float = _number(0.0, 0.0, 0.1)
+    """Distance by which the centre of mass moves in a random horizontal direction, m."""
+    com_margin: float = _number(0.005, 0.0, 0.05)
+    """The shift ends where the centre of mass is this near to the support polygon's edge, m."""
+
+
+@dataclass(kw_only=True)
 class PredictorConfig:
     """The learned keypoint."""
 
@@ -218,6 +257,7 @@ class Scenario:
     policy: str = _choice("keypoint", POLICIES)
     """Who drives the tool."""
     object: ObjectConfig = field(default_factory=ObjectConfig)
+    variation: VariationConfig = field(default_factory=VariationConfig)
     table: TableConfig = field(default_factory=TableConfig)
     robot: RobotConfig = field(default_factory=RobotConfig)
     episode: EpisodeConfig = field(default_factory=EpisodeConfig)
@@ -228,12 +268,13 @@ class Scenario:
     predictor: PredictorConfig = field(default_factory=PredictorConfig)
 
     def validate(self) -> None:
-        """Checks every field's range, the box of start positions and the goal.
+        """Checks every field's range, what varies, the box of start positions and the goal.
 
         Raises:
             UserError: names the field, what it holds and what is allowed.
         """
         check_values(self)
+        _check_varied_fields(self)
         _check_start_box(self.robot)
         goal = self.episode.goal
         if goal is not None:
@@ -276,9 +317,10 @@ def parse_scenario(
 def dump_scenario(scenario: Scenario) -> str:
     """Returns the whole scenario as YAML, every field written out."""
     text: str = yaml_dump_typed(scenario, schema=Scenario)
-    if scenario.episode.goal is None:
-        # Drake leaves out what is null, but the goal must stay null over any defaults.
-        text = text.replace("\nepisode:\n", "\nepisode:\n  goal: null\n", 1)
+    # Drake leaves out what is null, but it must stay null over any defaults.
+    for section, name in (("episode", "goal"), ("object", "mass")):
+        if getattr(getattr(scenario, section), name) is None:
+            text = text.replace(f"\n{section}:\n", f"\n{section}:\n  {name}: null\n", 1)
     return text
 
 
@@ -300,6 +342,22 @@ def _check_goal(goal: list[float], table: TableConfig) -> None:
             f"episode.goal is {goal}; allowed: two numbers, |x| <= {half[0]:g} m and "
             f"|y| <= {half[1]:g} m (the reachable part of the table)"
         )
+
+
+def _check_varied_fields(scenario: Scenario) -> None:
+    """Checks that the fields stay in their ranges when they are multiplied by their factors."""
+    for name, (section, varied) in VARIED_FIELDS.items():
+        config = getattr(scenario, section)
+        value = getattr(config, varied)
+        if value is None:
+            continue  # the object's own, which is known when it is read
+        low, high = next(f for f in fields(config) if f.name == varied).metadata["range"]
+        factors = getattr(scenario.variation, name)
+        if not (low <= value * factors[0] and value * factors[1] <= high):
+            raise UserError(
+                f"variation.{name} is {factors} and {section}.{varied} is {value:g}; "
+                f"allowed: products from {low:g} to {high:g}"
+            )
 
 
 def _check_start_box(robot: RobotConfig) -> None:

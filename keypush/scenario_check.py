@@ -2,7 +2,7 @@
 
 `check_yaml` looks at parsed YAML before Drake reads it: Drake's own messages do not say which
 field they are about. `check_values` looks at the ranges and choices that the fields' metadata
-(`range`, `length`, `allowed`) gives.
+(`range`, `length`, `ordered`, `allowed`) gives.
 """
 
 import dataclasses
@@ -64,7 +64,7 @@ def check_values(config: Any, prefix: str = "") -> None:
         name = f"{prefix}{spec.name}"
         if dataclasses.is_dataclass(value):
             check_values(value, f"{name}.")
-        elif "range" in spec.metadata:
+        elif "range" in spec.metadata and value is not None:
             _check_range(name, value, spec.metadata)
         elif "allowed" in spec.metadata and value not in spec.metadata["allowed"]:
             raise UserError(f"{name} is {value!r}; allowed: {_allowed(spec)}")
@@ -78,6 +78,8 @@ def _check_range(name: str, value: Any, metadata: Mapping[str, Any]) -> None:
     for number in value if length is not None else [value]:
         if not low <= number <= high:  # false for NaN too
             raise UserError(f"{name} is {_found(number)}; allowed: {_range(metadata)}")
+    if metadata.get("ordered") and sorted(value) != list(value):
+        raise UserError(f"{name} is {_found(value)}; allowed: none below the one before it")
 
 
 def _fits(value: object, kind: Any) -> bool:

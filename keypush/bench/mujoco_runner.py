@@ -10,11 +10,12 @@ from diagrams.push_diagram import add_policy
 from keypush.bench.mujoco_plant import MujocoPlant
 from keypush.bench.mujoco_scene import make_mujoco_model
 from keypush.control.arm_kinematics import ArmKinematics
-from keypush.objects.catalogue import make_object
+from keypush.errors import UserError
+from keypush.objects.library import make_object
 from keypush.robot.panda import NUM_JOINTS
 from keypush.rollout.episode import EpisodeResult, split_rows
 from keypush.rollout.start import StartSampler
-from keypush.scenario import Scenario
+from keypush.scenario import Scenario, VariationConfig
 from keypush.systems.differential_ik_controller import DifferentialIkController
 from keypush.systems.episode_monitor import Outcome, longest_episode
 from keypush.systems.episode_seed import set_episode_seed
@@ -28,9 +29,15 @@ class MujocoEpisodeRunner:
         """Builds scene and diagram; the scenario's policy must be the expert.
 
         Raises:
-            UserError: MuJoCo is not installed, or the object has no convex pieces.
+            UserError: MuJoCo is not installed, the object has no convex pieces, or the scenario
+                varies it.
         """
         assert scenario.policy == "expert"
+        if scenario.variation != VariationConfig():
+            raise UserError(
+                "variation is set; allowed where engines are compared: none, since MuJoCo's scene "
+                "has the object as the catalogue has it"
+            )
         self._scenario = scenario
         model = make_object(scenario.object.name, scenario.object.size_ratio, scenario.object.mass)
         builder = DiagramBuilder()

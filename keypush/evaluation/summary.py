@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import Any, TypedDict
+from typing import Any, NotRequired, TypedDict
 
 from keypush.evaluation.wilson import wilson_interval
 
@@ -19,6 +19,8 @@ class ObjectSummary(TypedDict):
     """Lower and upper end of the 95 % interval of `success_rate`."""
     failures: dict[str, int]
     """How many episodes ended in each failure class that occurred."""
+    com_capped: NotRequired[float]
+    """Share of episodes whose centre of mass was moved less than asked for; left out if none."""
 
 
 class Summary(ObjectSummary):
@@ -34,7 +36,7 @@ def summarise(episodes: Sequence[Episode]) -> Summary:
 
     Args:
         episodes: mappings with at least object (name), success, settled_success (bool) and
-            outcome ("success" or a failure class).
+            outcome ("success" or a failure class); com_capped (bool) may be there.
 
     Raises:
         ValueError: there are no episodes.
@@ -55,10 +57,14 @@ def summarise(episodes: Sequence[Episode]) -> Summary:
 def _summarise_object(episodes: Sequence[Episode]) -> ObjectSummary:
     successes = sum(bool(episode["success"]) for episode in episodes)
     failures = Counter(str(e["outcome"]) for e in episodes if not e["success"])
-    return {
+    summary: ObjectSummary = {
         "episodes": len(episodes),
         "successes": successes,
         "success_rate": successes / len(episodes),
         "wilson95": list(wilson_interval(successes, len(episodes))),
         "failures": dict(sorted(failures.items())),
     }
+    capped = sum(bool(episode.get("com_capped")) for episode in episodes)
+    if capped:
+        summary["com_capped"] = capped / len(episodes)
+    return summary

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from keypush.learning.config import TrainingConfig
 from keypush.learning.patches import group_patches_batch
-from keypush.objects.catalogue import make_object
+from keypush.objects.library import make_object
 
 Sampler = Callable[[int, np.random.Generator], NDArray[np.float64]]
 """Draws points (count, 3) in O on an object's surface."""
@@ -52,12 +52,14 @@ def surface_samplers(objects: Sequence[tuple[str, float]]) -> list[Sampler]:
 def draw_clouds(
     samplers: Sequence[Sampler], config: TrainingConfig, rng: np.random.Generator
 ) -> CloudBank:
-    """Draws surface points and noise of `clouds_per_object` clouds per object."""
-    clouds = [
-        sampler(config.cloud_points, rng)
-        for sampler in samplers
-        for _ in range(config.clouds_per_object)
-    ]
+    """Draws surface points and noise of `clouds_per_object` clouds per object and size.
+
+    Where sizes are so many that a pass would not meet all of these clouds, fewer are drawn: as
+    many in all as the pass has rows.
+    """
+    rows_each = -(-config.rows_per_epoch // len(samplers))
+    per_object = min(config.clouds_per_object, rows_each)
+    clouds = [sampler(config.cloud_points, rng) for sampler in samplers for _ in range(per_object)]
     points = np.stack(clouds) + rng.normal(
         0, config.cloud_deviation, (len(clouds), *clouds[0].shape)
     )
@@ -71,5 +73,5 @@ def draw_clouds(
         cloud=cloud,
         centres=torch.cat([centres for centres, _ in groups]),
         members=torch.cat([members for _, members in groups]),
-        per_object=config.clouds_per_object,
+        per_object=per_object,
     )

@@ -45,7 +45,7 @@ class TrainingConfig:
     augment: bool = True
     """Whether objects are mirrored, stretched, sheared, bent and tapered."""
     clouds_per_object: int = _number(64, 1, 100_000)
-    """Clouds drawn per pass for every object and size."""
+    """Clouds drawn per pass for every object and size, as far as the pass has rows for them."""
     cloud_points: int = _number(512, 16, 16_384)
     """Points of a cloud."""
     cloud_deviation: float = _number(0.005, 0.0, 0.1)

@@ -1,7 +1,8 @@
 """EpisodeRunner: runs episodes of one scenario in one diagram, reset between them."""
 
+import gc
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -12,6 +13,8 @@ from pydrake.systems.framework import Context
 from pydrake.systems.primitives import VectorLog
 
 from diagrams.push_diagram import MakePushDiagram, PushDiagram
+from keypush.objects.variation import ObjectVariation, VariedObject, draw_variation, vary_object
+from keypush.rollout.apply_variation import set_frictions, set_mass_properties
 from keypush.rollout.start import EpisodeStart, StartSampler
 from keypush.scenario import POLICIES, Scenario, SimulationConfig
 from keypush.systems.episode_logger import ROW_COLUMNS
@@ -35,10 +38,11 @@ class EpisodeResult:
 
 
 class EpisodeRunner:
-    """Builds the diagram once and runs any number of episodes in it.
+    """Builds the diagram and runs any number of episodes in it.
 
     An episode's result depends on the scenario and its number alone, not on the episodes
-    that ran before it.
+    that ran before it. Where the scenario varies the object's size, `push` is another diagram
+    after every reset.
     """
 
     def __init__(self, scenario: Scenario, meshcat: Meshcat | None = None) -> None:
@@ -49,10 +53,9 @@ class EpisodeRunner:
         """
         scenario.validate()
         self.scenario = scenario
-        self.push: PushDiagram = MakePushDiagram(scenario, make_keypoint_model(scenario), meshcat)
-        self._sampler = StartSampler(scenario, self.push.station.model)
-        self._simulator = Simulator(self.push.diagram)
-        self._context = self._simulator.get_mutable_context()
+        self._keypoint_model = make_keypoint_model(scenario)
+        self._meshcat = meshcat
+        self._build(scenario.object.size_ratio)
 
     def run(self, episode: int) -> EpisodeResult:
         """Runs one episode from its start to its end.
@@ -67,10 +70,14 @@ class EpisodeRunner:
 
     def reset(self, episode: int) -> EpisodeStart:
         """Puts the diagram at the start of an episode and initialises the simulator."""
+        variation = draw_variation(self.scenario, episode)
+        if variation.size_ratio != self.push.station.model.size_ratio:
+            self._rebuild(variation.size_ratio)
         start = self._sampler.sample(episode)
         context = self._context
         self.push.diagram.SetDefaultContext(context)
         context.SetTime(0.0)
+        self._vary(variation)
         station, plant = self.push.station, self.push.station.plant
         plant_context = plant.GetMyMutableContextFromRoot(context)
         plant.SetPositions(plant_context, station.panda.instance, start.q)
@@ -83,6 +90,27 @@ class EpisodeRunner:
         ApplySimulatorConfig(simulator_config(self.scenario.simulation), self._simulator)
         self._simulator.Initialize()
         return start
+
+    def _build(self, size_ratio: float) -> None:
+        resized = replace(self.scenario.object, size_ratio=size_ratio)
+        scenario = replace(self.scenario, object=resized)
+        self.push: PushDiagram = MakePushDiagram(scenario, self._keypoint_model, self._meshcat)
+        self._sampler = StartSampler(scenario, self.push.station.model)
+        self._simulator = Simulator(self.push.diagram)
+        self._context = self._simulator.get_mutable_context()
+
+    def _rebuild(self, size_ratio: float) -> None:
+        del self.push, self._sampler, self._simulator, self._context
+        gc.collect()  # Python does not see how much memory a diagram holds.
+        self._build(size_ratio)
+
+    def _vary(self, variation: ObjectVariation) -> None:
+        """Puts into the context what differs from its defaults."""
+        station, margin = self.push.station, self.scenario.variation.com_margin
+        self._variation: ObjectVariation = variation
+        self._object: VariedObject = vary_object(station.model, variation, margin)
+        set_mass_properties(station, self._context, self._object.model)
+        set_frictions(station, self._context, variation, self.scenario)
 
     def _seed(self, context: Context, episode: int) -> None:
         station = self.push.station
@@ -102,7 +130,7 @@ class EpisodeRunner:
         scenario = self.scenario
         keys = {
             "object": scenario.object.name,
-            "size_ratio": scenario.object.size_ratio,
+            "size_ratio": self._variation.size_ratio,
             "seed": scenario.seed,
             "episode": episode,
         }
@@ -114,6 +142,12 @@ class EpisodeRunner:
             "outcome": outcome.name.lower(),
             "steps": int(verdict[1]),
             "final_position": np.array(self._object_position(context)),
+            "mass": self._object.model.mass,
+            "object_friction": self._variation.object_friction,
+            "table_friction": self._variation.table_friction,
+            "gripper_friction": self._variation.gripper_friction,
+            "com_offset": self._object.com_offset,
+            "com_capped": self._object.com_capped,
         }
         rows = split_rows(self.push.log.FindLog(context), keys)
         return EpisodeResult(summary, rows, context.get_time())
