@@ -12,6 +12,7 @@ from keypush.cli.collect import Collect
 from keypush.cli.demo import Demo
 from keypush.cli.diagram import Diagram
 from keypush.cli.evaluate import Evaluate
+from keypush.cli.objects import Objects
 from keypush.cli.train import Train
 from keypush.errors import UserError
 
@@ -20,6 +21,7 @@ Verb = (
     | Annotated[Collect, subcommand("collect")]
     | Annotated[Train, subcommand("train")]
     | Annotated[Evaluate, subcommand("evaluate")]
+    | Annotated[Objects, subcommand("objects")]
     | Annotated[Bench, subcommand("bench")]
     | Annotated[Diagram, subcommand("diagram")]
 )
@@ -37,7 +39,8 @@ def main(arguments: list[str] | None = None) -> int:
         arguments: the command line without the program's name; None: that of the process.
 
     Returns:
-        The exit status: 0, 2 after a mistake of the user's, 130 after Ctrl-C.
+        The exit status: 0; 1 where a check failed, 2 after a mistake of the user's, 130 after
+        Ctrl-C.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     if arguments == ["--version"]:
@@ -51,11 +54,11 @@ def main(arguments: list[str] | None = None) -> int:
         config=(tyro.conf.FlagCreatePairsOff, tyro.conf.DisallowNone),
     )
     try:
-        verb.run()
+        status = verb.run()
     except UserError as error:
         print(f"keypush: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print(f"\nkeypush: stopped; {verb.after_interrupt}", file=sys.stderr)
         return 130
-    return 0
+    return status or 0

@@ -38,7 +38,7 @@ def run_episodes(scenario: "Scenario", options: ParallelOptions) -> "EpisodeStor
     Raises:
         UserError: an option is out of range, or see `run_job`.
     """
-    from keypush.objects.catalogue import parse_object_list
+    from keypush.objects.library import parse_object_list
     from keypush.rollout.job import Job
     from keypush.rollout.parallel import run_job
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from keypush.objects.catalogue import CATALOGUE
+from keypush.objects.catalogue import catalogue_names
 from keypush.rollout.episode import EpisodeResult
 from keypush.scenario import Scenario
 
@@ -37,7 +37,7 @@ def narrate(scenario: Scenario, result: EpisodeResult) -> Narration:
     """Tells which object was pushed, by whom, and how it ended."""
     name = scenario.object.name
     shown = name.replace("_", " ")
-    seen = CATALOGUE[name].split == "train"
+    seen = name in catalogue_names("train")
     shape = "a shape of the training set" if seen else "a shape never seen in training"
     return Narration(
         title=f"A Franka Panda pushes the {shown}, {shape}.",

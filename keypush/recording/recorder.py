@@ -10,11 +10,23 @@ import numpy as np
 from pydrake.geometry import Meshcat, MeshcatParams
 
 from keypush.recording.narration import Narration, narrate
-from keypush.recording.observations import animate_clouds, animate_keypoint, measured_clouds
+from keypush.recording.observations import (
+    CLOUD_COLOUR,
+    KEYPOINT_COLOUR,
+    animate_clouds,
+    animate_keypoint,
+    measured_clouds,
+)
 from keypush.recording.page import dress_page
-from keypush.recording.scenery import add_scenery
+from keypush.recording.scenery import GOAL_COLOUR, add_scenery
 from keypush.rollout.episode import EpisodeResult, EpisodeRunner
 from keypush.scenario import Scenario
+
+_LEGEND = (
+    (GOAL_COLOUR, "goal"),
+    (CLOUD_COLOUR, "point cloud"),
+    (KEYPOINT_COLOUR, "keypoint and direction of the push"),
+)
 
 
 @dataclass(frozen=True)
@@ -47,8 +59,9 @@ def record_episode(scenario: Scenario, episode: int = 0) -> Recording:
 
 
 def _record(scenario: Scenario, episode: int) -> Recording:
-    meshcat = _make_meshcat()
+    meshcat = make_meshcat()
     runner = EpisodeRunner(scenario, meshcat)
+    runner.reset(episode)  # so that the diagram is the one that has the episode's size
     visualizer = runner.push.visualizer
     assert visualizer is not None
     visualizer.StartRecording(set_transforms_while_recording=False)
@@ -57,7 +70,9 @@ def _record(scenario: Scenario, episode: int) -> Recording:
     _add_observations(meshcat, runner, result, episode)
     narration = narrate(scenario, result)
     meshcat.PublishRecording()
-    return Recording(result, narration, dress_page(meshcat.StaticHtml(), narration))
+    story = [narration.policy, narration.outcome]
+    html = dress_page(meshcat.StaticHtml(), narration.title, story, _LEGEND, time_bar=True)
+    return Recording(result, narration, html)
 
 
 def _add_observations(
@@ -81,7 +96,8 @@ def _add_observations(
     animate_keypoint(meshcat, animation, np.concatenate([targets[1:], targets[-1:]]), goal)
 
 
-def _make_meshcat() -> Meshcat:
+def make_meshcat() -> Meshcat:
+    """Starts a Meshcat that serves localhost alone and says nothing of it."""
     params = MeshcatParams()
     params.host = "localhost"
     with _quiet_drake():

@@ -1,8 +1,10 @@
 """Episodes with MuJoCo as the engine."""
 
 import numpy as np
+import pytest
 
 from keypush.bench.mujoco_runner import MujocoEpisodeRunner
+from keypush.errors import UserError
 from keypush.rollout.episode import EpisodeRunner
 from keypush.scenario import EpisodeConfig, ObjectConfig, Scenario, SimulationConfig
 
@@ -44,3 +46,10 @@ def test_an_episode_does_not_depend_on_those_before_it() -> None:
         np.asarray(again.summary["final_position"]), np.asarray(alone.summary["final_position"])
     )
     assert again.seconds == alone.seconds
+
+
+def test_a_scenario_that_varies_the_object_is_refused() -> None:
+    scenario = _scenario()
+    scenario.variation.com_shift = 0.015
+    with pytest.raises(UserError, match=r"^variation is set; allowed .* none, .*$"):
+        MujocoEpisodeRunner(scenario)

@@ -11,7 +11,8 @@ from keypush.bench.convex_pieces import convex_pieces
 from keypush.bench.mujoco_scene import TOOL, import_mujoco, make_mujoco_model
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.errors import UserError
-from keypush.objects.catalogue import catalogue_names, make_object
+from keypush.objects.catalogue import catalogue_names
+from keypush.objects.library import make_object
 from keypush.scenario import ObjectConfig, Scenario
 
 mujoco: Any = import_mujoco()

@@ -46,6 +46,8 @@ MISTAKES: list[tuple[list[str], list[str]]] = [
     (["diagram", "--policy", "expert", "--out", "folder"], ["output file folder"]),
     (["train", "--data", "missing", "--out", "t"], ["missing"]),
     (["bench", "sim", "--episodes", "0"], ["--episodes is 0"]),
+    (["bench", "sim", "--set", "variation.com_shift=0.01"], ["variation is set; allowed"]),
+    (["demo", "--set", "variation.mass=[2, 1]"], ["variation.mass is [2.0, 1.0]"]),
 ]
 
 

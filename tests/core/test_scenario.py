@@ -13,7 +13,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from keypush.errors import UserError
-from keypush.scenario import Scenario, dump_scenario, load_scenario, parse_scenario
+from keypush.scenario import (
+    VARIED_FIELDS,
+    Scenario,
+    dump_scenario,
+    load_scenario,
+    parse_scenario,
+)
 
 NAMES = {"object.name", "predictor.weights"}
 """Words that are checked where they are looked up."""
@@ -50,13 +56,16 @@ def _get(scenario: Scenario, name: str) -> Any:
 def _with(name: str, value: Any) -> Scenario:
     """A scenario with one field changed; one entry, if the field is a list.
 
-    The box of start positions is as wide as it may be, so that either corner can move.
+    The box of start positions is as wide as it may be, so that either corner can move, and
+    the lower of two factors as low as it may be, so that the upper one can.
     """
     scenario = Scenario()
     scenario.robot.start_lower, scenario.robot.start_upper = [-math.pi] * 7, [math.pi] * 7
     config, last = _owner(scenario, name)
     if "length" in FIELDS[name].metadata:
         value = [*getattr(config, last)[:-1], value]
+    if "ordered" in FIELDS[name].metadata:
+        value[0] = FIELDS[name].metadata["range"][0]
     setattr(config, last, value)
     return scenario
 
@@ -150,6 +159,12 @@ def scenarios(draw: st.DrawFn) -> Scenario:
     corners = list(zip(robot.start_lower, robot.start_upper, strict=True))
     robot.start_lower = [min(pair) for pair in corners]
     robot.start_upper = [max(pair) for pair in corners]
+    for name, (section, varied) in VARIED_FIELDS.items():
+        factors = sorted(getattr(scenario.variation, name))
+        value = getattr(getattr(scenario, section), varied)
+        low, high = FIELDS[f"{section}.{varied}"].metadata["range"]
+        fits = value is None or (low <= value * factors[0] and value * factors[1] <= high)
+        setattr(scenario.variation, name, factors if fits else [1.0, 1.0])
     return scenario
 
 
@@ -187,6 +202,31 @@ def test_what_is_left_out_keeps_the_given_defaults() -> None:
 def test_no_two_scenarios_share_a_list() -> None:
     Scenario().robot.base_position[0] = 9.0
     assert Scenario().robot.base_position == [-0.5, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("name", VARIED_FIELDS)
+def test_factors_have_the_lower_one_first(name: str) -> None:
+    parse_scenario(f"variation: {{{name}: [0.9, 0.9]}}")
+    expected = rf"variation\.{name} is \[1\.1, 0\.9\]; allowed: none below the one before it$"
+    with pytest.raises(UserError, match=expected):
+        parse_scenario(f"variation: {{{name}: [1.1, 0.9]}}")
+
+
+@pytest.mark.parametrize("name", VARIED_FIELDS)
+def test_factors_keep_the_field_that_they_multiply_in_its_range(name: str) -> None:
+    section, varied = VARIED_FIELDS[name]
+    low, high = FIELDS[f"{section}.{varied}"].metadata["range"]
+    wrong = [(high, [1.0, 1.01])] + ([(low, [0.99, 1.0])] if low > 0 else [])
+    for value, factors in wrong:
+        parse_scenario(f"{section}: {{{varied}: {value}}}")
+        expected = (
+            rf"variation\.{name} is .* and {section}\.{varied} is {value:g}; "
+            rf"allowed: products from {low:g} to {high:g}$"
+        )
+        with pytest.raises(UserError, match=expected):
+            parse_scenario(
+                f"{{{section}: {{{varied}: {value}}}, variation: {{{name}: {factors}}}}}"
+            )
 
 
 def test_a_start_box_whose_corners_are_swapped_is_refused() -> None:

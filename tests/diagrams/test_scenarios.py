@@ -12,7 +12,12 @@ FILES = sorted((Path(diagrams.__file__).parent / "scenarios").glob("*.yaml"))
 
 
 def test_scenarios_ship_with_the_package() -> None:
-    assert [file.stem for file in FILES] == ["demo", "expert_with_resets", "reference_1ms"]
+    assert [file.stem for file in FILES] == [
+        "demo",
+        "expert_with_resets",
+        "reference_1ms",
+        "varied",
+    ]
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)

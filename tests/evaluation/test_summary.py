@@ -23,6 +23,12 @@ def _episodes() -> list[dict[str, object]]:
     ]
 
 
+def _table_lines(episodes: list[dict[str, object]]) -> list[str]:
+    text = io.StringIO()
+    Console(file=text, width=100).print(summary_table(summarise(episodes), "expert"))
+    return text.getvalue().splitlines()
+
+
 def test_rates_intervals_and_failures() -> None:
     episodes = _episodes()
     episodes[0]["settled_success"] = False
@@ -47,15 +53,32 @@ def test_counts_add_up() -> None:
         assert line["episodes"] == line["successes"] + sum(line["failures"].values())
 
 
+def test_the_share_of_capped_shifts_is_told_where_there_are_any() -> None:
+    episodes = [{**e, "com_capped": i in (0, 1, 2)} for i, e in enumerate(_episodes())]
+    summary = summarise(episodes)
+    assert summary["objects"]["mug"]["com_capped"] == 3 / 4
+    assert "com_capped" not in summary["objects"]["bottle"]
+    assert summary["com_capped"] == 3 / 8
+    lines = _table_lines(episodes)
+    assert any("COM capped" in line for line in lines)
+    mug, bottle = (next(line for line in lines if name in line) for name in ("mug", "bottle"))
+    assert "75.0%" in mug
+    assert " 0.0% " in bottle
+
+
+def test_without_capped_shifts_nothing_is_said_of_them() -> None:
+    episodes = [{**e, "com_capped": False} for e in _episodes()]
+    assert summarise(episodes) == summarise(_episodes())
+    assert "COM" not in "".join(_table_lines(episodes))
+
+
 def test_no_episodes_are_refused() -> None:
     with pytest.raises(ValueError, match="no episodes"):
         summarise([])
 
 
 def test_table_shows_every_object_and_the_total() -> None:
-    text = io.StringIO()
-    Console(file=text, width=100).print(summary_table(summarise(_episodes()), "expert"))
-    lines = text.getvalue().splitlines()
+    lines = _table_lines(_episodes())
     mug, total = (next(line for line in lines if name in line) for name in ("mug", "all"))
     assert "50.0%" in mug
     assert "fell 1, toppled 1" in mug

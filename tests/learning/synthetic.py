@@ -7,7 +7,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from keypush.objects.catalogue import make_object
+from keypush.objects.library import make_object
 from keypush.planning.contact import analytic_contact
 
 STEPS = 5

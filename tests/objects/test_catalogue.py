@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from keypush.errors import UserError
-from keypush.objects.catalogue import catalogue_names, make_object, parse_object_list
+from keypush.objects.catalogue import catalogue_names
+from keypush.objects.library import make_object, parse_object_list
 from keypush.objects.model import ObjectModel
 
 NAMES = catalogue_names()

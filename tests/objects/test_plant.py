@@ -6,7 +6,8 @@ from pydrake.geometry import Mesh, Role
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
 from pydrake.systems.framework import DiagramBuilder
 
-from keypush.objects.catalogue import catalogue_names, make_object
+from keypush.objects.catalogue import catalogue_names
+from keypush.objects.library import make_object
 from keypush.objects.plant import add_object
 from keypush.objects.table import add_table
 from keypush.scenario import SimulationConfig, TableConfig

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from keypush.objects.catalogue import catalogue_names, make_object
+from keypush.objects.catalogue import catalogue_names
+from keypush.objects.library import make_object
 from keypush.objects.table import THICKNESS
 from keypush.scenario import SimulationConfig
 from tests.physics.object_scene import GRAVITY, ObjectScene

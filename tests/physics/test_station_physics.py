@@ -10,7 +10,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
 
 from diagrams.station import MakePushStation
-from keypush.objects.catalogue import make_object
+from keypush.objects.library import make_object
 from keypush.rollout.episode import simulator_config
 from keypush.scenario import EpisodeConfig, NoiseConfig, Scenario, SimulationConfig
 from tests.systems.contract import evaluate

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from keypush.objects.catalogue import catalogue_names, make_object
+from keypush.objects.catalogue import catalogue_names
+from keypush.objects.library import make_object
 from keypush.planning.contact import analytic_contact
 from keypush.planning.push_frame import left_of
 

@@ -56,6 +56,25 @@ def test_meshcats_port_is_closed_afterwards(monkeypatch: pytest.MonkeyPatch) -> 
         pass
 
 
+def test_an_object_of_another_size_is_recorded_in_the_diagram_that_runs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class WatchedRunner(EpisodeRunner):
+        def run(self, episode: int) -> EpisodeResult:
+            recorded = self.push
+            result = super().run(episode)
+            assert self.push is recorded
+            return result
+
+    monkeypatch.setattr(recorder, "EpisodeRunner", WatchedRunner)
+    varied = parse_scenario(
+        "{policy: expert, episode: {max_steps: 2}, variation: {size: [0.75, 1.25]}}"
+    )
+    summary = record_episode(varied, EPISODE).result.summary
+    assert str(summary) == str(EpisodeRunner(varied).run(EPISODE).summary)
+    assert summary["size_ratio"] != 1.0
+
+
 def test_clouds_on_the_page_are_those_that_the_policy_saw() -> None:
     runner, result = unrecorded()
     rows = {name: np.asarray(result.rows[name], dtype=float) for name in ("time", "object_pose")}

@@ -8,9 +8,10 @@ import pytest
 
 from keypush.objects.catalogue import catalogue_names
 from keypush.rollout.episode import EpisodeRunner
-from keypush.scenario import Scenario
+from keypush.scenario import Scenario, parse_scenario
 
 EPISODES = 500
+RESIZED = 200
 
 
 def _resident_megabytes() -> float:
@@ -40,3 +41,17 @@ def test_500_episodes_leave_memory_flat() -> None:
     assert done >= EPISODES
     assert after_round[-1] < after_round[1] + 20
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3 < 1000
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_a_diagram_for_every_episode_leaves_memory_flat() -> None:
+    """What varies has its largest cost in memory: a size that no other episode has."""
+    scenario = parse_scenario("{policy: expert, object: {name: mug}, episode: {max_steps: 3}}")
+    scenario.variation.size, scenario.variation.object_friction = [0.75, 1.25], [0.5, 1.5]
+    runner = EpisodeRunner(scenario)
+    resident = []
+    for episode in range(RESIZED):
+        runner.run(episode)
+        resident.append(_resident_megabytes())
+    assert resident[-1] < resident[RESIZED // 4] + 10

@@ -7,7 +7,8 @@ import pytest
 
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.errors import UserError
-from keypush.objects.catalogue import catalogue_names, make_object
+from keypush.objects.catalogue import catalogue_names
+from keypush.objects.library import make_object
 from keypush.rollout.start import EpisodeStart, StartSampler, reachable_half_extents
 from keypush.scenario import EpisodeConfig, ObjectConfig, RobotConfig, Scenario, TableConfig
 

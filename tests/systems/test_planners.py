@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from pydrake.math import RigidTransform, RollPitchYaw
 
-from keypush.objects.catalogue import make_object
+from keypush.objects.library import make_object
 from keypush.planning.plan_state import Stage
 from keypush.planning.push_frame import left_of, push_direction
 from keypush.scenario import PlannerConfig

@@ -1,0 +1,1 @@
+"""Checks of objects: geometry, mass, and a short simulation of each alone on the table."""

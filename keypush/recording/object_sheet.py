@@ -1,0 +1,66 @@
+"""Pictures of objects: one alone, and many on a sheet, with the centre of mass marked."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from keypush.objects.model import ObjectModel
+from keypush.objects.picture import View, pixel_of, render_mesh
+
+_PICTURE = 240
+_DPI = 100
+_LABEL = 0.14
+"""Height of a label as a share of a picture's."""
+_COM_MARK = (("white", 7.5), ("#d8163a", 4.5))
+"""Colours and diameters of the dots on the centre of mass, the lower first."""
+
+
+def write_picture(model: ObjectModel, path: Path, size: int = 640) -> None:
+    """Writes a picture of one object as PNG."""
+    write_sheet([(model, model.name.replace("_", " "))], path, columns=1, size=size)
+
+
+def write_sheet(
+    objects: Sequence[tuple[ObjectModel, str]],
+    path: Path,
+    columns: int = 8,
+    size: int = _PICTURE,
+) -> None:
+    """Writes pictures of objects as one PNG.
+
+    Args:
+        objects: models and what stands below each.
+        path: file to write.
+        columns: pictures in a row.
+        size: width and height of a picture in pixels.
+    """
+    columns = min(columns, len(objects))
+    rows = -(-len(objects) // columns)
+    figure = Figure(figsize=(columns * size / _DPI, rows * (1 + _LABEL) * size / _DPI), dpi=_DPI)
+    FigureCanvasAgg(figure)
+    for k, (model, label) in enumerate(objects):
+        row, column = divmod(k, columns)
+        height = 1 / (1 + _LABEL) / rows
+        left, bottom = column / columns, 1 - (row + 1) / rows + (1 / rows - height)
+        axes = figure.add_axes((left, bottom, 1 / columns, height))
+        _draw(axes, model, size)
+        figure.text(
+            left + 0.5 / columns, bottom - 0.25 * (1 / rows - height), label,
+            ha="center", va="top", fontsize=11,
+        )  # fmt: skip
+    figure.savefig(path, dpi=_DPI, format="png", facecolor="white")
+
+
+def _draw(axes: Axes, model: ObjectModel, size: int) -> None:
+    view = View(size=(size, size))
+    image: NDArray[np.uint8] = render_mesh(model.visual, model.colour[:3], view)
+    axes.imshow(image)
+    x, y = pixel_of(model.p_OoOcm_O, model.visual, view)
+    for colour, diameter in _COM_MARK:
+        axes.plot(x, y, "o", markersize=diameter, color=colour, markeredgewidth=0)
+    axes.set_axis_off()
