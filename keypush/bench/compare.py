@@ -78,7 +78,7 @@ def measure_objects(
         Tracks by object and engine.
 
     Raises:
-        UserError: MuJoCo is not installed, or an object has no convex pieces.
+        UserError: MuJoCo is not installed, or there is no such object.
     """
     tracks = {name: {engine: Track() for engine in ENGINES} for name in objects}
     with tqdm(total=len(objects) * episodes, unit="episode", disable=None) as bar:

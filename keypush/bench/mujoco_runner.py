@@ -29,8 +29,7 @@ class MujocoEpisodeRunner:
         """Builds scene and diagram; the scenario's policy must be the expert.
 
         Raises:
-            UserError: MuJoCo is not installed, the object has no convex pieces, or the scenario
-                varies it.
+            UserError: MuJoCo is not installed, or the scenario varies the object.
         """
         assert scenario.policy == "expert"
         if scenario.variation != VariationConfig():

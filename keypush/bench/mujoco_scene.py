@@ -46,7 +46,7 @@ def make_mujoco_model(scenario: Scenario, model: ObjectModel) -> Any:
     The integrator is implicitfast; all else is as MuJoCo has it.
 
     Raises:
-        UserError: MuJoCo is not installed, or the object has no convex pieces.
+        UserError: MuJoCo is not installed.
     """
     mj = import_mujoco()
     spec = mj.MjSpec()

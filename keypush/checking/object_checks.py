@@ -53,25 +53,25 @@ class Check:
     """One measured property of an object."""
 
     ok: bool
-    value: float
+    value: float | None
+    """None: it was not measured."""
     limit: float
     text: str
     """What was measured, in words."""
 
 
+_NOT_SIMULATED = Check(False, None, 0.0, "not simulated: mesh or inertia is wrong")
+
+
 def check_object(asset: ObjectAsset) -> dict[str, Check]:
     """Runs all checks of an object at its nominal size, by name."""
     model = scaled_model(asset, 1.0)
-    return {
-        "closed": _closed(model),
-        "volume": _volume(model),
-        "inertia": _inertia(model),
-        "surface": _surface(model),
-        "support": _support(model, asset.poses),
-        "stands": _stands(model),
-        "tips": _tips(model),
-        "reachable": _reachable(model),
-    }
+    checks = {"closed": _closed(model), "volume": _volume(model), "inertia": _inertia(model)}
+    sound = all(check.ok for check in checks.values())
+    checks |= {"surface": _surface(model), "support": _support(model, asset.poses)}
+    for name, simulate in (("stands", _stands), ("tips", _tips)):
+        checks[name] = simulate(model) if sound else _NOT_SIMULATED
+    return {**checks, "reachable": _reachable(model)}
 
 
 def _closed(model: ObjectModel) -> Check:

@@ -29,7 +29,7 @@ def checks_table(checked: Checks) -> Table:
     passed = 0
     for name, checks in checked.items():
         failed = [
-            f"{kind}: {check.value:.4g}, allowed {check.limit:g} ({check.text})"
+            f"{kind}: {_figure(check)} ({check.text})"
             for kind, check in checks.items()
             if not check.ok
         ]
@@ -37,3 +37,7 @@ def checks_table(checked: Checks) -> Table:
         table.add_row(name, "\n".join(failed) or "ok")
     table.title = f"{passed} of {len(checked)} objects pass"
     return table
+
+
+def _figure(check: Check) -> str:
+    return "-" if check.value is None else f"{check.value:.4g}, allowed {check.limit:g}"

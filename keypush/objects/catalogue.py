@@ -44,7 +44,7 @@ class CatalogueEntry:
         module, function = self.generator.split(".")
         generator = getattr(importlib.import_module(f"{generators}.{module}"), function)
         # Not imported above: only who makes objects anew needs manifold3d.
-        to_mesh = importlib.import_module(f"{generators}.solids").to_mesh
+        to_mesh = importlib.import_module("keypush.objects.manifolds").to_mesh
         return cast("trimesh.Trimesh", to_mesh(generator(**self.parameters)))
 
 

@@ -44,6 +44,8 @@ _SCRAPE = 0.0025
 _PUSH_LEAD = 0.012
 """How far ahead of the tool a push's reference may be, m: an arm that is held up would
 otherwise shoot forward later."""
+_RISEN = (0.0, 0.003)
+"""Rise of a pushing tool above its height at which the lead begins to shrink, and is gone, m."""
 _PRESS = 0.003
 """How far below the tool the reference of a push is, m: about 1 N downwards."""
 _LARGEST_GAIN = 2.0
@@ -234,8 +236,20 @@ class PushStages:
         p_WR = target if distance <= step else state.p_WR + offset * (step / distance)
         # The reference must not run away from a tool that is held up.
         p_WE = seen.X_WE.translation()
-        lead = _PUSH_LEAD if state.stage == Stage.PUSH else self._lead
+        lead = np.full(3, self._lead)
+        if state.stage == Stage.PUSH:
+            lead[:] = _PUSH_LEAD
+            lead[:2] *= self._push_share(p_WE)
         return np.asarray(p_WE + np.clip(p_WR - p_WE, -lead, lead))
+
+    def _push_share(self, p_WE: Array) -> float:
+        """Share of the lead that is left where the tool has risen.
+
+        What the object answers a push with lifts the arm, and the finger's friction lifts the
+        object, which then tips over its far edge; a push that gives way lets both down again.
+        """
+        rise = float(p_WE[2]) - self._config.tool_height
+        return float(np.clip((_RISEN[1] - rise) / (_RISEN[1] - _RISEN[0]), 0.0, 1.0))
 
     def _push_target(self, state: PlanState, seen: PushObservation) -> Array:
         """One step ahead along d_W, steered towards the line through the contact."""

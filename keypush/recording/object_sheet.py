@@ -1,16 +1,16 @@
 """Pictures of objects: one alone, and many on a sheet, with the centre of mass marked."""
 
+import multiprocessing
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from keypush.objects.model import ObjectModel
-from keypush.objects.picture import View, pixel_of, render_mesh
+from keypush.objects.picture import Image, View, pixel_of, render_mesh
 
 _PICTURE = 240
 _DPI = 100
@@ -43,12 +43,13 @@ def write_sheet(
     rows = -(-len(objects) // columns)
     figure = Figure(figsize=(columns * size / _DPI, rows * (1 + _LABEL) * size / _DPI), dpi=_DPI)
     FigureCanvasAgg(figure)
-    for k, (model, label) in enumerate(objects):
+    view = View(size=(size, size))
+    for k, ((model, label), image) in enumerate(zip(objects, _render(objects, view), strict=True)):
         row, column = divmod(k, columns)
         height = 1 / (1 + _LABEL) / rows
         left, bottom = column / columns, 1 - (row + 1) / rows + (1 / rows - height)
         axes = figure.add_axes((left, bottom, 1 / columns, height))
-        _draw(axes, model, size)
+        _draw(axes, model, view, image)
         figure.text(
             left + 0.5 / columns, bottom - 0.25 * (1 / rows - height), label,
             ha="center", va="top", fontsize=11,
@@ -56,9 +57,16 @@ def write_sheet(
     figure.savefig(path, dpi=_DPI, format="png", facecolor="white")
 
 
-def _draw(axes: Axes, model: ObjectModel, size: int) -> None:
-    view = View(size=(size, size))
-    image: NDArray[np.uint8] = render_mesh(model.visual, model.colour[:3], view)
+def _render(objects: Sequence[tuple[ObjectModel, str]], view: View) -> list[Image]:
+    """Renders in another process: after VTK has run in one, importing torch's triton crashes it."""
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        waiting = [
+            pool.submit(render_mesh, model.visual, model.colour[:3], view) for model, _ in objects
+        ]
+        return [future.result() for future in waiting]
+
+
+def _draw(axes: Axes, model: ObjectModel, view: View, image: Image) -> None:
     axes.imshow(image)
     x, y = pixel_of(model.p_OoOcm_O, model.visual, view)
     for colour, diameter in _COM_MARK:

@@ -12,13 +12,13 @@ from keypush.scenario import EpisodeConfig, ObjectConfig, Scenario, SimulationCo
 def _scenario(max_steps: int = 300, integrator: str = "cenic") -> Scenario:
     return Scenario(
         policy="expert",
-        object=ObjectConfig(name="box"),
+        object=ObjectConfig(name="block"),
         episode=EpisodeConfig(max_steps=max_steps),
         simulation=SimulationConfig(integrator=integrator),
     )
 
 
-def test_the_expert_pushes_the_box_to_the_goal_as_in_drake() -> None:
+def test_the_expert_pushes_the_block_to_the_goal_as_in_drake() -> None:
     scenario = _scenario()
     ours, mujoco = (make(scenario).run(1).summary for make in (EpisodeRunner, MujocoEpisodeRunner))
     assert (ours["outcome"], mujoco["outcome"]) == ("success", "success")

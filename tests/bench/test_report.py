@@ -26,7 +26,7 @@ def _track(wall: float, outcomes: list[str], x: float, steps: int) -> Track:
 def test_figures_against_figures_by_hand() -> None:
     good, mixed = ["success", "success"], ["success", "toppled"]
     tracks = {
-        "box": {
+        "block": {
             "cenic": _track(0.1, mixed, 0.003, 66),
             "discrete": _track(10.0, good, 0.0, 60),
             "mujoco": _track(0.2, good, 0.01, 60),
@@ -54,7 +54,7 @@ def test_figures_against_figures_by_hand() -> None:
 def test_without_any_agreement_there_is_no_distance() -> None:
     engines = {name: _track(1.0, ["success"], 0.0, 60) for name in ENGINES}
     engines["cenic"] = _track(1.0, ["fell"], 0.0, 60)
-    report = summarise_tracks(Scenario(), {"box": engines})
+    report = summarise_tracks(Scenario(), {"block": engines})
     assert report["outcome_agreement"] == 0
     assert report["final_position_rms_m"] is None
     assert "-" in [cell for column in report_table(report).columns for cell in column.cells]
@@ -62,7 +62,7 @@ def test_without_any_agreement_there_is_no_distance() -> None:
 
 def test_every_engine_runs_the_same_episodes() -> None:
     scenario = Scenario(policy="expert", episode=EpisodeConfig(max_steps=3))
-    tracks = measure_objects(scenario, ["disc"], 2)["disc"]
+    tracks = measure_objects(scenario, ["plate"], 2)["plate"]
     for track in tracks.values():
         assert track.outcomes == ["timed_out"] * 2
         assert track.steps == [3, 3]
@@ -74,12 +74,12 @@ def test_every_engine_runs_the_same_episodes() -> None:
 
 
 def test_json_is_one_object_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
-    arguments = ["bench", "sim", "--json", "--objects", "can,box", "--episodes", "1"]
+    arguments = ["bench", "sim", "--json", "--objects", "can,block", "--episodes", "1"]
     assert main([*arguments, "--set", "episode.max_steps=3"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert report.keys() >= PROMISED
     assert report.keys() >= {"episodes", "simulation", "objects"}
-    assert set(report["objects"]) == {"can", "box"}
+    assert set(report["objects"]) == {"can", "block"}
     assert 0 < report["rtf_worst"] <= report["rtf_median"]
     assert report["outcome_agreement"] == 1.0
     assert 0 <= report["final_position_rms_m"] < 1e-3

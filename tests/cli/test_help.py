@@ -10,7 +10,7 @@ import pytest
 from keypush.cli.main import main
 from tests.cli.command import keypush
 
-VERBS = ("demo", "collect", "train", "evaluate", "bench", "diagram")
+VERBS = ("demo", "collect", "train", "evaluate", "bench", "diagram", "objects")
 
 
 @pytest.mark.parametrize("arguments", [[], ["--help"]])
@@ -29,7 +29,7 @@ def test_every_option_is_explained(verb: str, capsys: pytest.CaptureFixture[str]
         main([verb, "--help"])
     assert caught.value.code == 0
     text = " ".join(capsys.readouterr().out.replace("│", " ").split())
-    for option in re.findall(r"--[a-z-]+(?: [A-Z][A-Z=]*)? \((?:default|required)", text):
+    for option in re.findall(r"--[a-z][a-z-]*(?: [A-Z][A-Z=]*)? \((?:default|required)", text):
         pytest.fail(f"{option} has no explanation")
 
 

@@ -11,7 +11,7 @@ from keypush.cli.main import main
 from tests.cli.command import KEYPUSH
 
 ARGUMENTS = (
-    "collect", "--objects", "disc", "--episodes", "45", "--processes", "2",
+    "collect", "--objects", "plate", "--episodes", "45", "--processes", "2",
     "--set", "episode.max_steps=5", "--out",
 )  # fmt: skip
 

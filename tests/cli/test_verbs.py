@@ -16,13 +16,13 @@ def test_evaluate_writes_summary_scenario_and_table(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     arguments = [
-        "evaluate", "--policy", "centroid", "--objects", "disc,can", "--episodes", "2",
+        "evaluate", "--policy", "centroid", "--objects", "plate,can", "--episodes", "2",
         "--processes", "1", "--seed", "7", *SHORT, "--out", str(tmp_path / "e"),
     ]  # fmt: skip
     assert main(arguments) == 0
-    assert "disc" in capsys.readouterr().out
+    assert "plate" in capsys.readouterr().out
     summary = json.loads((tmp_path / "e" / "summary.json").read_text())
-    assert set(summary["objects"]) == {"disc", "can"}
+    assert set(summary["objects"]) == {"plate", "can"}
     assert summary["objects"]["can"]["episodes"] == 2
     assert summary["objects"]["can"]["failures"] == {"timed_out": 2}
     assert (summary["policy"], summary["seed"]) == ("centroid", 7)

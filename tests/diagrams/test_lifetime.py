@@ -11,7 +11,7 @@ from keypush.scenario import parse_scenario
 
 
 def _dropped_diagram(policy: str) -> weakref.ref[Diagram]:
-    scenario = parse_scenario(f"{{policy: {policy}, object: {{name: disc}}}}")
+    scenario = parse_scenario(f"{{policy: {policy}, object: {{name: plate}}}}")
     runner = EpisodeRunner(scenario)
     runner.reset(0)
     return weakref.ref(runner.push.diagram)

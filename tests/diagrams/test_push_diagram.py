@@ -12,7 +12,7 @@ from tests.systems.contract import ports
 
 
 def _push(policy: str) -> PushDiagram:
-    scenario = parse_scenario(f"{{policy: {policy}, object: {{name: box}}}}")
+    scenario = parse_scenario(f"{{policy: {policy}, object: {{name: block}}}}")
     return MakePushDiagram(scenario, None if policy == "expert" else CentroidKeypoint())
 
 

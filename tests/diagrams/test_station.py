@@ -10,13 +10,14 @@ from keypush.objects.catalogue import catalogue_names
 from keypush.objects.library import make_object
 from keypush.rollout.episode import simulator_config
 from keypush.scenario import NoiseConfig, Scenario, SimulationConfig, parse_scenario
+from tests.physics.exact_shapes import exact_model
 from tests.systems.contract import evaluate, ports
 
 READY = np.array([0.0, 0.04, 0.0, -2.1, 0.0, 2.1, 0.0])
 QUIET = Scenario(noise=NoiseConfig(torque_deviation=0.0))
 
 
-def _station(scenario: Scenario = QUIET, name: str = "box") -> PushStation:
+def _station(scenario: Scenario = QUIET, name: str = "block") -> PushStation:
     return MakePushStation(scenario, make_object(name))
 
 
@@ -73,7 +74,8 @@ def test_every_object_of_the_catalogue_has_a_station(name: str) -> None:
 
 
 def test_the_outputs_describe_one_world() -> None:
-    station = _station(parse_scenario("noise: {cloud_deviation: 0.0}"))
+    # On a sharp box, whose surface is where a coordinate is at its limit.
+    station = MakePushStation(parse_scenario("noise: {cloud_deviation: 0.0}"), exact_model("box"))
     simulator = _simulator(station)
     context = simulator.get_context()
     X_WO = evaluate(station.diagram, "object_pose", context)
@@ -82,7 +84,7 @@ def test_the_outputs_describe_one_world() -> None:
     np.testing.assert_allclose(com, X_WO @ station.model.p_OoOcm_O)
     cloud = evaluate(station.diagram, "point_cloud", context).reshape(-1, 3)
     p_OP = (cloud - X_WO.translation()) @ X_WO.rotation().matrix()
-    half = station.model.mesh.bounds[1]
+    half = station.model.visual.bounds[1]
     np.testing.assert_allclose(np.max(np.abs(p_OP) / half, axis=1), 1.0, atol=1e-9)
     arm_state = evaluate(station.diagram, "arm_state", context)
     np.testing.assert_array_equal(arm_state, [*READY, *np.zeros(7)])

@@ -30,7 +30,7 @@ def _rows(
     n = len(stages)
     zeros: NDArray[np.float64] = np.zeros((n, 3))
     return Rows(
-        objects=[("box", 1.0)],
+        objects=[("block", 1.0)],
         seeds=[0],
         object_index=np.zeros(n, dtype=np.int64),
         episode=np.array(episodes or [0] * n),

@@ -12,7 +12,7 @@ from tests.learning.synthetic import STEPS, write_data
 
 @pytest.fixture
 def data_dir(tmp_path: Path) -> Path:
-    return write_data(tmp_path / "data", [("box", 1.0), ("can", 0.75)], episodes=3)
+    return write_data(tmp_path / "data", [("block", 1.0), ("can", 0.75)], episodes=3)
 
 
 def _edit(path: Path, table: pa.Table) -> None:
@@ -28,7 +28,7 @@ def test_rows_are_ordered_and_complete(data_dir: Path) -> None:
     _edit(file, shuffled.slice(0, 7))
     _edit(file.with_name("part-1.parquet"), shuffled.slice(7))
     rows = read_rows(data_dir)
-    assert rows.objects == [("box", 1.0), ("can", 0.75)]
+    assert rows.objects == [("block", 1.0), ("can", 0.75)]
     assert len(rows) == 2 * 3 * STEPS
     np.testing.assert_array_equal(rows.episode, np.repeat(np.arange(6), STEPS))
     np.testing.assert_array_equal(rows.object_index, np.repeat([0, 1], 3 * STEPS))

@@ -18,7 +18,7 @@ CONFIG = TrainingConfig(cloud_deviation=0.0, clouds_per_object=2, cloud_points=2
 
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory: pytest.TempPathFactory) -> Rows:
-    objects = [("l_block", 1.0), ("box", 0.75)]
+    objects = [("l_block", 1.0), ("block", 0.75)]
     rows = read_rows(write_data(tmp_path_factory.mktemp("data"), objects, episodes=8))
     labels = make_labels(rows, "analytic")
     kept = np.isfinite(labels[:, 0])

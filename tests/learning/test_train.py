@@ -23,7 +23,7 @@ QUICK = TrainingConfig(
 
 @pytest.fixture(scope="module")
 def data_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    objects = [("box", 1.0), ("can", 1.0), ("l_block", 1.25)]
+    objects = [("bottle", 1.0), ("can", 1.0), ("l_block", 1.25)]
     return write_data(tmp_path_factory.mktemp("data"), objects, episodes=20)
 
 
@@ -101,8 +101,8 @@ def test_small_network_learns_where_to_push(data_dir: Path, tmp_path: Path) -> N
         ({"epochs": 0}, "epochs is 0; allowed: 1 to"),
         ({"learning_rate": float("nan")}, "learning_rate is nan; allowed"),
         ({"label": "guessed"}, "label is 'guessed'; allowed: measured, analytic"),
-        ({"held_out_objects": ["mug"]}, "held_out_objects has mug; allowed: box, can, l_block"),
-        ({"held_out_objects": ["box", "can", "l_block"]}, "0 episodes have labelled rows"),
+        ({"held_out_objects": ["mug"]}, "held_out_objects has mug; allowed: bottle, can, l_block"),
+        ({"held_out_objects": ["bottle", "can", "l_block"]}, "0 episodes have labelled rows"),
         ({"network": NetworkConfig(heads=3)}, r"network\.heads is 3; allowed: divisors"),
         ({"network": NetworkConfig(patch_size=65)}, "cloud_points is 64; allowed: at least 65"),
     ],

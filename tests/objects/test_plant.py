@@ -1,20 +1,23 @@
 """Object and table as they enter a Drake plant."""
 
+import io
+
 import numpy as np
 import pytest
-from pydrake.geometry import Mesh, Role
+import trimesh
+from pydrake.geometry import Mesh, Role, Shape
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
 from pydrake.systems.framework import DiagramBuilder
 
-from keypush.objects.catalogue import catalogue_names
 from keypush.objects.library import make_object
 from keypush.objects.plant import add_object
 from keypush.objects.table import add_table
 from keypush.scenario import SimulationConfig, TableConfig
+from tests.objects.every_object import EVERY_OBJECT
 
 
 @pytest.mark.parametrize("time_step", [0.0, 0.001])
-@pytest.mark.parametrize("name", catalogue_names())
+@EVERY_OBJECT
 def test_the_body_has_the_models_mass_properties(name: str, time_step: float) -> None:
     plant, _ = AddMultibodyPlant(MultibodyPlantConfig(time_step=time_step), DiagramBuilder())
     model = make_object(name, 0.75, 0.2)
@@ -28,18 +31,30 @@ def test_the_body_has_the_models_mass_properties(name: str, time_step: float) ->
     np.testing.assert_allclose(about_com, model.I_OOcm_O, atol=1e-12)
 
 
-def test_contact_is_with_the_mesh_itself_and_rigid() -> None:
+def test_contact_is_with_the_coarse_mesh_itself_and_rigid() -> None:
     plant, scene_graph = AddMultibodyPlant(MultibodyPlantConfig(), DiagramBuilder())
-    body = add_object(plant, make_object("mug"), 0.55)
+    model = make_object("mug", 1.25)
+    body = add_object(plant, model, 0.55)
     inspector = scene_graph.model_inspector()
     (geometry,) = plant.GetCollisionGeometriesForBody(body)
     properties = inspector.GetProximityProperties(geometry)
-    assert isinstance(inspector.GetShape(geometry), Mesh)
+    _check_same_mesh(inspector.GetShape(geometry), model.mesh)
     assert properties.HasProperty("hydroelastic", "compliance_type")
     assert not properties.HasProperty("hydroelastic", "hydroelastic_modulus")  # so it is rigid
     assert properties.GetProperty("material", "coulomb_friction").dynamic_friction() == 0.55
     frame = plant.GetBodyFrameIdOrThrow(body.index())
-    assert len(inspector.GetGeometries(frame, Role.kIllustration)) == 1
+    (seen,) = inspector.GetGeometries(frame, Role.kIllustration)
+    _check_same_mesh(inspector.GetShape(seen), model.visual)
+    colour = inspector.GetIllustrationProperties(seen).GetProperty("phong", "diffuse")
+    np.testing.assert_allclose(colour.rgba, model.colour)
+
+
+def _check_same_mesh(shape: Shape, mesh: trimesh.Trimesh) -> None:
+    assert isinstance(shape, Mesh)
+    text = shape.source().in_memory().mesh_file.contents()
+    found = trimesh.load_mesh(io.BytesIO(text), file_type="obj", process=False)
+    np.testing.assert_allclose(found.vertices, mesh.vertices, atol=1e-9)
+    np.testing.assert_array_equal(found.faces, mesh.faces)
 
 
 def test_the_table_top_is_finite_compliant_and_centred_below_the_origin() -> None:

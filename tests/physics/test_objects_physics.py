@@ -3,20 +3,20 @@
 import numpy as np
 import pytest
 
-from keypush.objects.catalogue import catalogue_names
-from keypush.objects.library import make_object
+from keypush.checking.object_scene import FRICTION, GRAVITY, ObjectScene
 from keypush.scenario import SimulationConfig
-from tests.physics.object_scene import FRICTION, GRAVITY, ObjectScene
+from tests.objects.every_object import EVERY_OBJECT
+from tests.physics.exact_shapes import any_model
 
 CENIC = SimulationConfig()
 DISCRETE = SimulationConfig(integrator="discrete")
 SETTINGS = pytest.mark.parametrize("setting", [CENIC, DISCRETE], ids=["cenic", "discrete"])
-TOPPLING = pytest.mark.parametrize("name", ["tall_box", "candle", "bottle"])
+TOPPLING = pytest.mark.parametrize("name", ["tall_box", "rod", "flask", "candle", "bottle"])
 
 
-@pytest.mark.parametrize("name", catalogue_names())
+@EVERY_OBJECT
 def test_an_object_at_rest_stays_at_rest(name: str) -> None:
-    scene = ObjectScene(make_object(name), CENIC)
+    scene = ObjectScene(any_model(name), CENIC)
     start = scene.pose().translation()
     assert scene.advance(5.0) < 1e-3
     assert np.linalg.norm(scene.pose().translation() - start) < 1e-5
@@ -24,7 +24,7 @@ def test_an_object_at_rest_stays_at_rest(name: str) -> None:
 
 def deceleration(name: str, speed: float, duration: float, setting: SimulationConfig) -> float:
     """Mean deceleration of a thrown object relative to mu g."""
-    scene = ObjectScene(make_object(name), setting)
+    scene = ObjectScene(any_model(name), setting)
     scene.advance(0.1)
     scene.throw(np.array([speed, 0.0, 0.0]))
     scene.advance(duration)
@@ -59,7 +59,7 @@ def push_outcome(
     The height is relative to half base over mu, above which a push topples and below which
     it slides; the force to the least one that does either.
     """
-    model = make_object(name)
+    model = any_model(name)
     scene = ObjectScene(model, setting)
     scene.advance(0.1)
     half_base = model.support_polygon[:, 0].max()

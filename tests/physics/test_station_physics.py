@@ -34,7 +34,7 @@ def run(
     scenario: Scenario,
     action: Callable[[int], Array],
     duration: float,
-    name: str = "box",
+    name: str = "block",
     drop: float = 0.0,
 ) -> Run:
     """Simulates the station with an action for every 0.1 s and the object out of reach.
@@ -80,7 +80,7 @@ def wave(k: int) -> Array:
 
 @pytest.mark.parametrize(
     ("integrator", "name", "duration"),
-    [("cenic", "box", 5.0), ("cenic", "candle", 5.0), ("discrete", "box", 2.0)],
+    [("cenic", "block", 5.0), ("cenic", "candle", 5.0), ("discrete", "block", 2.0)],
 )
 def test_an_object_rests_while_the_arm_moves_elsewhere(
     integrator: str, name: str, duration: float
@@ -92,7 +92,7 @@ def test_an_object_rests_while_the_arm_moves_elsewhere(
     assert np.abs(result.p_WO[:, :2] - PLACE).max() < 1e-5
 
 
-@pytest.mark.parametrize("name", ["box", "candle"])
+@pytest.mark.parametrize("name", ["block", "candle"])
 def test_an_object_dropped_by_1_mm_comes_to_rest_while_the_arm_moves(name: str) -> None:
     result = run(scenario("cenic"), wave, 3.0, name, drop=0.001)
     assert result.tilt.max() < 0.011

@@ -82,7 +82,7 @@ def test_it_lies_behind_the_com_within_the_bounding_sphere(name: str, angle: flo
     model = make_object(name)
     d_W = _direction(angle)
     p_WO = np.array([0.1, -0.1, model.rest_height])
-    p_WP, com = model.vertices + p_WO, model.p_OoOcm_O + p_WO
+    p_WP, com = model.p_OP + p_WO, model.p_OoOcm_O + p_WO
     p_WK = analytic_contact(p_WP, com, d_W, WIDTH, BAND)
     offset = (p_WK - com)[:2]
     assert np.isclose(offset @ left_of(d_W)[:2], 0.0, atol=1e-12)

@@ -68,7 +68,7 @@ def opened(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Opened]:
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     if chromium is None:
         pytest.skip("no chromium on the PATH (Debian's package: chromium)")
-    recording = record_episode(parse_scenario("{policy: expert, object: {name: disc}}"))
+    recording = record_episode(parse_scenario("{policy: expert, object: {name: plate}}"))
     file = tmp_path_factory.mktemp("page") / "recording.html"
     file.write_text(recording.html, encoding="utf-8")
     with sync_playwright() as playwright:

@@ -7,7 +7,7 @@ from pathlib import Path
 from keypush.scenario import load_scenario
 from tests.cli.command import KEYPUSH
 
-SHORT = ["--policy", "expert", "--object", "l_block", "--seed", "2", "--set", "episode.max_steps=3"]
+SHORT = ["--policy", "expert", "--object", "toy_car", "--seed", "2", "--set", "episode.max_steps=3"]
 
 
 def test_two_at_once_tell_and_write_everything(tmp_path: Path) -> None:
@@ -25,7 +25,7 @@ def test_two_at_once_tell_and_write_everything(tmp_path: Path) -> None:
         told, complaints = demo.communicate(timeout=100)
         assert (demo.returncode, complaints) == (0, "")
         title, policy, outcome, page = told.splitlines()
-        assert "l block, a shape of the training set" in title
+        assert "toy car, a shape of the training set" in title
         assert "expert" in policy
         assert "time ran out after 3 policy steps" in outcome
         assert str(out / "recording.html") in page
@@ -34,7 +34,7 @@ def test_two_at_once_tell_and_write_everything(tmp_path: Path) -> None:
 
 def _check_files(out: Path) -> None:
     summary = json.loads((out / "summary.json").read_text())
-    assert (summary["object"], summary["outcome"], summary["steps"]) == ("l_block", "timed_out", 3)
+    assert (summary["object"], summary["outcome"], summary["steps"]) == ("toy_car", "timed_out", 3)
     assert summary["final_distance"] > 0.05
     assert load_scenario(out / "scenario.yaml").seed == 2
     assert (out / "recording.html").stat().st_size <= 12_000_000

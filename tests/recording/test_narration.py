@@ -28,7 +28,7 @@ def test_distance_is_that_in_the_plane() -> None:
     [
         ("success", True, ["Goal reached", "at rest"]),
         ("success", False, ["Goal reached", "not held"]),
-        ("toppled", False, ["not reached", "the tall box toppled"]),
+        ("toppled", False, ["not reached", "the lamp base toppled"]),
         ("fell", False, ["not reached", "fell off the table"]),
         ("timed_out", False, ["not reached", "time ran out"]),
     ],
@@ -36,14 +36,14 @@ def test_distance_is_that_in_the_plane() -> None:
 def test_outcome_names_cause_steps_time_and_distance(
     outcome: str, settled: bool, words: list[str]
 ) -> None:
-    scenario = parse_scenario("{object: {name: tall_box}}")
+    scenario = parse_scenario("{object: {name: lamp_base}}")
     told = narrate(scenario, result(outcome, settled=settled)).outcome
     for word in [*words, "42 policy steps", "4.2 s", "5.0 cm"]:
         assert word in told
 
 
 def test_title_says_whether_the_shape_was_trained_on_and_policy_who_drove() -> None:
-    unseen = narrate(parse_scenario("{policy: expert, object: {name: mug}}"), result("fell"))
+    unseen = narrate(parse_scenario("{policy: expert, object: {name: mug_2}}"), result("fell"))
     seen = narrate(parse_scenario("{policy: centroid, object: {name: can}}"), result("fell"))
     assert "never seen" in unseen.title
     assert "of the training set" in seen.title

@@ -1,7 +1,6 @@
 """The page around Meshcat's viewer."""
 
 import pytest
-
 from pydrake.geometry import Rgba
 
 from keypush.recording.page import dress_page

@@ -10,7 +10,7 @@ from keypush.scenario import Scenario, parse_scenario
 
 def short_scenario() -> Scenario:
     """An expert's episode of three policy steps."""
-    return parse_scenario("{policy: expert, object: {name: disc}, episode: {max_steps: 3}}")
+    return parse_scenario("{policy: expert, object: {name: plate}, episode: {max_steps: 3}}")
 
 
 class RaisingRunner:

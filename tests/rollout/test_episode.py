@@ -30,7 +30,7 @@ class OpenRunner(EpisodeRunner):
 
 
 def _scenario(**changes: Any) -> Scenario:
-    settings = {"policy": "expert", "object": {"name": "box"}, "episode": {"max_steps": STEPS}}
+    settings = {"policy": "expert", "object": {"name": "block"}, "episode": {"max_steps": STEPS}}
     return parse_scenario(repr({**settings, **changes}))
 
 
@@ -112,7 +112,7 @@ def test_there_is_one_row_for_every_policy_step(runner: EpisodeRunner) -> None:
     for name, size in ROW_COLUMNS.items():
         shape = (STEPS + 1,) if name == "stage" else (STEPS + 1, size)
         assert rows[name].shape == shape
-    for name, value in {"object": "box", "seed": 0, "episode": 3, "size_ratio": 1.0}.items():
+    for name, value in {"object": "block", "seed": 0, "episode": 3, "size_ratio": 1.0}.items():
         assert np.all(rows[name] == value)
 
 
@@ -132,7 +132,7 @@ def test_the_rows_begin_at_the_sampled_start(runner: EpisodeRunner) -> None:
     assert np.all(np.isnan(rows["contact_point"]))
 
 
-def test_the_expert_takes_a_box_to_its_goal() -> None:
+def test_the_expert_takes_a_block_to_its_goal() -> None:
     """The best of three episodes: how often it succeeds is a matter of statistics."""
     runner = EpisodeRunner(_scenario(episode={"max_steps": 300}))
     results = [runner.run(episode) for episode in range(3)]
@@ -183,7 +183,7 @@ def test_a_field_set_out_of_range_is_refused() -> None:
 
 
 def test_a_settled_test_longer_than_the_policy_steps_left_is_waited_for() -> None:
-    scenario = parse_scenario("{policy: expert, object: {name: disc}}")
+    scenario = parse_scenario("{policy: expert, object: {name: plate}}")
     scenario.episode.max_steps, scenario.episode.settle_time = 80, 10.0
     result = EpisodeRunner(scenario).run(2)
     assert result.summary["success"]

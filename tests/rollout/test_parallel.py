@@ -20,7 +20,7 @@ from tests.rollout.short_scenarios import (
 
 
 def _job(episodes: int = 11) -> Job:
-    return Job(scenario=short_scenario(), objects=("disc", "can"), episodes=episodes)
+    return Job(scenario=short_scenario(), objects=("plate", "can"), episodes=episodes)
 
 
 def _bytes(folder: Path) -> dict[str, bytes]:
@@ -41,10 +41,10 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_every_episode_is_there_once(finished: Path) -> None:
     for kind in ("rows", "episodes"):
         files = sorted(path.name for path in (finished / kind).iterdir())
-        assert files == [f"{o}-{n}.parquet" for o in ("can", "disc") for n in ("000000", "000010")]
+        assert files == [f"{o}-{n}.parquet" for o in ("can", "plate") for n in ("000000", "000010")]
     episodes = pq.read_table(finished / "episodes").to_pylist()
     assert sorted((e["object"], e["episode"]) for e in episodes) == sorted(
-        (name, i) for name in ("can", "disc") for i in range(11)
+        (name, i) for name in ("can", "plate") for i in range(11)
     )
     rows = pq.read_table(finished / "rows").to_pydict()
     steps = {(e["object"], e["episode"]): e["steps"] for e in episodes}
@@ -67,7 +67,7 @@ def test_two_processes_write_the_same_bytes_as_one(finished: Path, tmp_path: Pat
 
 def test_resuming_runs_only_what_is_missing(finished: Path, tmp_path: Path) -> None:
     shutil.copytree(finished, tmp_path, dirs_exist_ok=True)
-    kept = tmp_path / "episodes" / "disc-000000.parquet"
+    kept = tmp_path / "episodes" / "plate-000000.parquet"
     before = kept.stat().st_mtime_ns
     (tmp_path / "episodes" / "can-000010.parquet").unlink()
     (tmp_path / "rows" / ".can-000010.parquet.1.partial").write_bytes(b"half a file")
@@ -88,15 +88,15 @@ def test_another_job_is_refused_by_the_field_that_differs(finished: Path) -> Non
 @pytest.mark.parametrize(
     ("make_runner", "error", "text"),
     [
-        (RaisingRunner, RuntimeError, r"Block\(object='disc', first=0.*\n.*ZeroDivisionError"),
-        (DyingRunner, RuntimeError, r"Block\(object='disc', first=0.*exit status -9"),
-        (MistakenRunner, UserError, "^weights of disc: none for episode 0$"),
+        (RaisingRunner, RuntimeError, r"Block\(object='plate', first=0.*\n.*ZeroDivisionError"),
+        (DyingRunner, RuntimeError, r"Block\(object='plate', first=0.*exit status -9"),
+        (MistakenRunner, UserError, "^weights of plate: none for episode 0$"),
     ],
 )
 def test_a_failure_in_a_worker_reaches_the_caller(
     make_runner: MakeRunner, error: type[Exception], text: str, tmp_path: Path
 ) -> None:
-    job = Job(scenario=short_scenario(), objects=("disc",), episodes=1)
+    job = Job(scenario=short_scenario(), objects=("plate",), episodes=1)
     with pytest.raises(error, match=f"(?s){text}"):
         run_job(job, tmp_path, processes=2, make_runner=make_runner)
     assert multiprocessing.active_children() == []

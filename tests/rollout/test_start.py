@@ -84,7 +84,7 @@ def test_a_start_depends_on_seed_and_episode_alone() -> None:
 
 def test_a_given_goal_is_kept() -> None:
     goal = [0.12, -0.15]
-    sampler = _sampler("box", EpisodeConfig(goal=goal))
+    sampler = _sampler("block", EpisodeConfig(goal=goal))
     places = set()
     for episode in range(50):
         start = sampler.sample(episode)
@@ -96,13 +96,13 @@ def test_a_given_goal_is_kept() -> None:
 
 @pytest.mark.parametrize("goal", [None, [0.0, 0.0]])
 def test_a_goal_that_cannot_be_that_far_is_the_users_mistake(goal: list[float] | None) -> None:
-    sampler = _sampler("box", EpisodeConfig(goal=goal, goal_min_distance=1.0))
-    with pytest.raises(UserError, match=r"^episode\.goal_min_distance is 1 with goal .*'box'"):
+    sampler = _sampler("block", EpisodeConfig(goal=goal, goal_min_distance=1.0))
+    with pytest.raises(UserError, match=r"^episode\.goal_min_distance is 1 with goal .*'block'"):
         sampler.sample(0)
 
 
 def test_an_arm_that_cannot_start_high_enough_is_the_users_mistake() -> None:
     scenario = Scenario(robot=RobotConfig(start_tool_height=1.0))
-    sampler = StartSampler(scenario, make_object("box"))
+    sampler = StartSampler(scenario, make_object("block"))
     with pytest.raises(UserError, match=r"^robot\.start_lower .* 1 m above the table"):
         sampler.sample(0)

@@ -16,10 +16,10 @@ from tests.control.arm import ARM, CONTROL
 from tests.systems.closed_loop import PERIOD, ClosedLoop
 from tests.systems.contract import everything, outputs, ports
 
-BOX = make_object("box")
-POINTS = BOX.surface_points(500, np.random.default_rng(0))
-X_WO = RigidTransform(RollPitchYaw(0.0, 0.0, 0.4), np.array([0.03, 0.02, BOX.rest_height]))
-P_WOCM = X_WO.rotation().matrix() @ BOX.p_OoOcm_O + X_WO.translation()
+BLOCK = make_object("block")
+POINTS = BLOCK.surface_points(500, np.random.default_rng(0))
+X_WO = RigidTransform(RollPitchYaw(0.0, 0.0, 0.4), np.array([0.03, 0.02, BLOCK.rest_height]))
+P_WOCM = X_WO.rotation().matrix() @ BLOCK.p_OoOcm_O + X_WO.translation()
 GOAL, KEYPOINT = np.array([0.1, -0.12]), np.array([0.0, 0.05, 0.02])
 RESET = PlannerConfig(reset_period=3)
 OUTPUTS = {"tool_action": 6, "stage": 1, "contact_target": 3}
@@ -111,9 +111,9 @@ def test_the_expert_aims_through_the_centre_of_mass() -> None:
     target, d_W = loop.output("contact_target"), push_direction(P_WOCM, GOAL)
     offset = target - P_WOCM
     assert abs(offset @ left_of(d_W)) < 1e-9
-    # Behind, on the box's own outline.
+    # Behind, on the block's own outline.
     p_OK = X_WO.rotation().matrix().T @ (target - X_WO.translation())
-    half = np.abs(BOX.vertices[:, :2]).max(axis=0)
+    half = np.abs(BLOCK.vertices[:, :2]).max(axis=0)
     assert offset @ d_W < 0
     assert np.max(np.abs(p_OK[:2]) / half) == pytest.approx(1.0, abs=0.1)
 

@@ -53,7 +53,7 @@ def elephant(
     nose = x + 0.75 * head_radius
     bends = [(-0.006, 1.0), (0.006, 0.70), (0.007, 0.38), (0.014, 0.22)]
     path = curve([(nose + out, 0.0, up * z) for out, up in bends], 2)
-    trunk = sweep(path, np.linspace(trunk_radius, 0.6 * trunk_radius, len(path)), 10)
+    trunk = sweep(path, np.linspace(trunk_radius, 0.6 * trunk_radius, len(path)), 8)
     ear = Manifold.cylinder(0.0038, 1.0, 1.0, 12, center=True)
     ear = ear.scale((0.85 * ear_radius, ear_radius, 1.0)).rotate((90.0, 0.0, 0.0))
     ear = ear.translate((-0.7 * ear_radius, 0.0, 0.0)).rotate((8.0, 0.0, -42.0))
@@ -195,9 +195,9 @@ def _pig_ear(front: float, radius: float, middle: float) -> Manifold:
 
 def _curl() -> Manifold:
     """A pig's tail, from the origin backwards."""
-    turn = np.linspace(0.0, 1.3 * np.pi, 6)
+    turn = np.linspace(0.0, 1.3 * np.pi, 5)
     path = [-0.003 * turn, 0.006 * np.sin(turn), 0.006 * (1 - np.cos(turn))]
-    return sweep(np.column_stack(path), 0.0029, 8)
+    return sweep(np.column_stack(path), 0.0029, 5)
 
 
 def _across(x: float, inside: float, outside: float, z: float, radius: float) -> Manifold:

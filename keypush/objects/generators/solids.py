@@ -6,7 +6,6 @@ All sizes are in m. `+` joins two solids, `-` cuts, `^` intersects (manifold3d's
 from collections.abc import Sequence
 
 import numpy as np
-import trimesh
 from manifold3d import CrossSection, Manifold, Mesh64, OpType
 from numpy.typing import NDArray
 
@@ -15,14 +14,6 @@ Point = tuple[float, float, float]
 
 SEGMENTS = 24
 """Corners of a round cross section: at 3 cm its sides are 0.26 mm inside the circle."""
-
-
-def to_mesh(solid: Manifold) -> trimesh.Trimesh:
-    """Returns a solid as a closed mesh whose faces are anticlockwise seen from outside."""
-    mesh = solid.to_mesh64()
-    return trimesh.Trimesh(
-        np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts), process=False
-    )
 
 
 def box(size: Point, centre: Point = (0.0, 0.0, 0.0)) -> Manifold:

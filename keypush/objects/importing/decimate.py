@@ -12,7 +12,8 @@ MAX_SOLID_FACES = 4000
 """Faces of a solid."""
 MAX_SURFACE_FACES = 20_000
 """Faces of a surface that repair and display are at ease with."""
-_VOLUME_CHANGE = 0.05
+_LITTLE = 0.05
+_MUCH = 0.2
 _FIRST_TOLERANCE = 5e-4
 _LAST_TOLERANCE = 0.03
 
@@ -34,16 +35,17 @@ def decimate_solid(solid: Manifold) -> Manifold | None:
     """Brings a solid of size 1 to `MAX_SOLID_FACES` or returns None if that would spoil it."""
     if solid.num_tri() <= MAX_SOLID_FACES:
         return solid
-    fewer = as_solid(*_collapse(*arrays(solid), MAX_SOLID_FACES))
-    if _is_like(fewer, solid):
-        return fewer
+    collapsed = as_solid(*_collapse(*arrays(solid), MAX_SOLID_FACES))
+    if _is_like(collapsed, solid, _LITTLE):
+        return collapsed
     tolerance = _FIRST_TOLERANCE
     while tolerance <= _LAST_TOLERANCE:
         fewer = solid.simplify(tolerance)
-        if _is_like(fewer, solid):
+        if _is_like(fewer, solid, _LITTLE):
             return fewer
         tolerance *= 1.5
-    return None
+    # Thin walls lose volume wherever a curve becomes a chord.
+    return collapsed if _is_like(collapsed, solid, _MUCH) else None
 
 
 def snap(vertices: Vertices, faces: Faces, spacing: float) -> tuple[Vertices, Faces]:
@@ -64,7 +66,7 @@ def _collapse(vertices: Vertices, faces: Faces, target: int) -> tuple[Vertices, 
     return np.asarray(points, dtype=float), np.asarray(triangles, dtype=np.int64)
 
 
-def _is_like(fewer: Manifold | None, solid: Manifold) -> bool:
+def _is_like(fewer: Manifold | None, solid: Manifold, change: float) -> bool:
     if fewer is None or fewer.is_empty() or fewer.num_tri() > MAX_SOLID_FACES:
         return False
-    return bool(abs(fewer.volume() / solid.volume() - 1) < _VOLUME_CHANGE)
+    return bool(abs(fewer.volume() / solid.volume() - 1) < change)

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 import trimesh
-from manifold3d import Error, Manifold, Mesh64, OpType
+from manifold3d import Error, Manifold, OpType
 
 from keypush.objects.importing.result import Faces, Vertices
+from keypush.objects.manifolds import to_manifold
 
 _NOTHING = 1e-9
 """Volume, in a mesh of size 1, below which there is no inside."""
@@ -20,12 +21,7 @@ def as_solid(vertices: Vertices, faces: Faces) -> Manifold | None:
     """
     if len(faces) < 4:
         return None
-    whole = Manifold(
-        Mesh64(
-            np.ascontiguousarray(vertices, dtype=np.float64),
-            np.ascontiguousarray(faces, dtype=np.uint64),
-        )
-    )
+    whole = to_manifold(as_mesh(vertices, faces))
     if whole.status() != Error.NoError or whole.is_empty():
         return None
     pieces = [_outwards(piece) for piece in whole.decompose()]
@@ -57,4 +53,4 @@ def _outwards(solid: Manifold) -> Manifold:
     if solid.volume() >= 0:
         return solid
     vertices, faces = arrays(solid)
-    return Manifold(Mesh64(vertices, np.ascontiguousarray(faces[:, ::-1], dtype=np.uint64)))
+    return to_manifold(as_mesh(vertices, faces[:, ::-1]))

@@ -2,13 +2,16 @@
 
 import hashlib
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import trimesh
+from trimesh.resolvers import FilePathResolver
 
-from keypush.errors import UserError
+from keypush.errors import UserError, one_line
 from keypush.objects.importing.colour import average_colour, main_colour
+from keypush.objects.importing.contents import as_utf8, read_contents
 from keypush.objects.importing.result import Colour, Faces, Vertices
 
 FORMATS = ("obj", "stl", "ply", "glb", "gltf", "off")
@@ -59,13 +62,8 @@ def read_mesh(path: Path) -> MeshFile:
         Exception: whatever a reader raises about contents that are no mesh.
     """
     check_file(path)
-    try:
-        with path.open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError as error:
-        raise UserError(f"{path}: cannot be read: {error.strerror}") from error
-    # Unprocessed: merging is ours to do, and to tell. Never remote: nothing is downloaded.
-    scene = trimesh.load_scene(path, process=False, allow_remote=False)
+    data = read_contents(path)
+    scene = _load(path, data)
     placed = _placed(scene)
     count = sum(len(geometry.faces) for geometry, _ in placed)
     if count == 0:
@@ -82,7 +80,25 @@ def read_mesh(path: Path) -> MeshFile:
         process=False,
     )
     colour = average_colour([(main_colour(geometry), geometry.area) for geometry, _ in placed])
-    return MeshFile(mesh, colour, digest)
+    return MeshFile(mesh, colour, hashlib.sha256(data).hexdigest())
+
+
+def _load(path: Path, data: bytes) -> trimesh.Scene:
+    suffix = path.suffix.lower()
+    try:
+        # Unprocessed: merging is ours to do, and to tell. Never remote: nothing is downloaded.
+        return trimesh.load_scene(
+            BytesIO(as_utf8(data, suffix)),
+            file_type=suffix.removeprefix("."),
+            resolver=FilePathResolver(str(path)),
+            process=False,
+            allow_remote=False,
+        )
+    except FileNotFoundError as error:
+        raise UserError(f"{path}: it names a file that is not there: {one_line(error)}") from error
+    except ModuleNotFoundError as error:
+        # trimesh asks for one that guesses encodings.
+        raise UserError(f"{path}: cannot be read as a mesh: its text is not UTF-8") from error
 
 
 def _placed(scene: trimesh.Scene) -> list[tuple[trimesh.Trimesh, Vertices]]:

@@ -11,11 +11,12 @@ from keypush.objects.importing.holes import fill_holes
 from keypush.objects.importing.manifolds import as_solid, join
 from keypush.objects.importing.result import Faces, Vertices
 from keypush.objects.importing.topology import compact, face_areas, orient, signed_volume
-from keypush.objects.importing.wrap import wrap
+from keypush.objects.importing.wrap import CELLS, wrap
 
 _FEW = 0.01
 _FLAT = 1e-9
 _INSIDE = 0.4
+_COARSE_CELLS = CELLS // 2
 
 
 @dataclass(frozen=True)
@@ -46,8 +47,8 @@ def repair(surface: Cleaned) -> Repaired:
         notes.append("turned all faces outwards")
     fewer = decimate_solid(solid)
     if fewer is None:
-        notes.append("too many small parts to keep: took the solid around them")
-        fewer = decimate_solid(wrap(surface.vertices, surface.faces))
+        notes.append("too many small parts to keep: took a coarse solid around them")
+        fewer = decimate_solid(wrap(surface.vertices, surface.faces, _COARSE_CELLS))
     if fewer is None:
         notes.append("took the convex hull")
         fewer = convex_hull(surface.vertices)

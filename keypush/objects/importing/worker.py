@@ -53,8 +53,10 @@ def _import(connection: Connection, path: Path) -> None:
         raise
     except Exception as error:
         # Readers raise anything at all about contents that they did not expect.
-        text = one_line(error) or type(error).__name__
-        connection.send(Refused(f"{path}: cannot be read as a mesh: {text}"))
+        text = one_line(error)
+        # A single word, such as a missing key, says nothing by itself.
+        what = text if " " in text else f"{type(error).__name__} {text}".rstrip()
+        connection.send(Refused(f"{path}: cannot be read as a mesh: {what}"))
 
 
 def _limit_processor_time(seconds: float) -> None:

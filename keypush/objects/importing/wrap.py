@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from keypush.objects.importing.manifolds import as_mesh
 from keypush.objects.importing.result import Faces, Vertices
 
-_CELLS = 48
+CELLS = 48
 """Cells of the grid along the longest side."""
 _REACH = 0.75
 """How far, in cells, the solid goes beyond the surface: walls are twice that thick.
@@ -21,18 +21,19 @@ _MARGIN = 3
 _SAMPLES = 150_000
 
 
-def wrap(vertices: Vertices, faces: Faces) -> Manifold:
+def wrap(vertices: Vertices, faces: Faces, cells: int = CELLS) -> Manifold:
     """Returns all that lies within 3/4 of a cell of a surface or that it shuts off from outside.
 
-    A cell is 1/48 of the longest side of the bounding box, so every wall gets about 3 % of
-    it thick, gaps up to that are closed, and outsides move outwards by half as much.
+    With 48 cells along the longest side of the bounding box every wall gets about 3 % of
+    that thick, gaps up to as much are closed, and outsides move outwards by half of it.
 
     Args:
         vertices: (n, 3).
         faces: (m, 3), in any condition.
+        cells: along the longest side.
     """
     mesh = as_mesh(vertices, faces)
-    spacing = float(mesh.extents.max()) / _CELLS
+    spacing = float(mesh.extents.max()) / cells
     origin = mesh.bounds[0] - _MARGIN * spacing
     shape = np.ceil(mesh.extents / spacing).astype(int) + 2 * _MARGIN + 1
     depth = _depth(mesh, origin, spacing, tuple(shape.tolist()))

@@ -66,6 +66,17 @@ def triangulate_cap(
     return Cap(np.array(builder.points), builder.faces)
 
 
+def grid_points(loops: Sequence[Array], spacing: float) -> Array:
+    """Returns the middles (n, 2) of the cells of a square grid that lie in what loops enclose."""
+    region = shapely.union_all(_polygons(loops))
+    x0, y0, x1, y1 = region.bounds
+    x, y = np.meshgrid(
+        np.arange(x0 + spacing / 2, x1, spacing), np.arange(y0 + spacing / 2, y1, spacing)
+    )
+    inside = shapely.contains_xy(region, x, y)
+    return np.column_stack([x[inside], y[inside]])
+
+
 class _Builder:
     """Collects the faces of one plane; a point that was seen before keeps its number."""
 

@@ -5,14 +5,15 @@ from collections.abc import Sequence
 
 import numpy as np
 import trimesh
-from manifold3d import Manifold, Mesh64
 from numpy.typing import NDArray
 
+from keypush.objects.manifolds import to_manifold, to_mesh
 from keypush.objects.meshing.decimate import Decimator
 from keypush.objects.meshing.distance import hausdorff
 from keypush.objects.meshing.felt import FLAT
 from keypush.objects.meshing.outline import simplify_outlines
 from keypush.objects.meshing.refine import Support, refine_plane
+from keypush.objects.meshing.skirt import with_skirt
 from keypush.objects.meshing.surface import FREE, Surface
 from keypush.objects.resting import TOUCH_TOLERANCE, RestingPose, support_polygon
 
@@ -28,20 +29,22 @@ _FINE = 1e-4
 """The solid is simplified by this much before all else, m."""
 _OUTLINE = 3e-4
 """Outlines of resting faces are simplified by this much, m."""
-_FREE_FACES = (*range(420, 200, -20), *range(200, 0, -30))
+_FREE_FACES = (*range(420, 180, -30), 180, 140, 100, 60, 20)
 """Numbers of faces that are tried, besides those on which it rests."""
-_MOST_FACES = 7000
+_MOST_FACES = 5000
 
 
 def collision_mesh(solid: trimesh.Trimesh, poses: Sequence[RestingPose]) -> trimesh.Trimesh:
     """Makes the mesh that touches from a closed solid in O and its stable poses, upright first."""
     planes = np.array([[*pose.down, pose.height] for pose in poses])
-    fine = _simplified(_flattened(solid, planes))
+    fine = _simplified(with_skirt(_flattened(solid, planes)))
+    fine = _flattened(fine, planes)
     labels, touching = _resting_faces(fine, planes)
     surface = Surface(fine, labels)
     simplify_outlines(surface, len(planes), _OUTLINE)
     decimator = Decimator(surface, planes, touching)
-    supports = [_support(solid, pose, upright=k == 0) for k, pose in enumerate(poses)]
+    supports = [_support(solid, pose) for pose in poses]
+    supports[:1] = [supports[0].with_reaches(surface, 0)]
     resting = sum(label != FREE for label in surface.labels.values())
     best = None
     for count in _FREE_FACES:
@@ -59,24 +62,20 @@ def collision_mesh(solid: trimesh.Trimesh, poses: Sequence[RestingPose]) -> trim
     return best.to_mesh()
 
 
-def _support(solid: trimesh.Trimesh, pose: RestingPose, *, upright: bool) -> Support:
+def _support(solid: trimesh.Trimesh, pose: RestingPose) -> Support:
     polygon = support_polygon(np.asarray(solid.vertices), pose.R_WO, TOUCH_TOLERANCE)
     com_height = float(pose.R_WO.matrix()[2] @ solid.center_mass) + pose.height
-    return Support(pose, polygon, com_height if upright else None)
+    return Support(pose, polygon, com_height)
 
 
-def _simplified(solid: trimesh.Trimesh) -> trimesh.Trimesh:
+def _simplified(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     """Drops vertices that matter little, a little more at a time until few enough are left."""
-    vertices = np.asarray(solid.vertices, dtype=float)
-    whole = Manifold(Mesh64(vertices, np.asarray(solid.faces, dtype=np.uint64)))
+    whole = to_manifold(mesh)
     tolerance, simple = _FINE, whole.simplify(_FINE)
     while simple.num_tri() > _MOST_FACES and tolerance < CLOSE_ENOUGH / 2:
         tolerance *= 1.5
         simple = whole.simplify(tolerance)
-    arrays = simple.to_mesh64()
-    return trimesh.Trimesh(
-        np.asarray(arrays.vert_properties)[:, :3], np.asarray(arrays.tri_verts), process=False
-    )
+    return to_mesh(simple)
 
 
 def _flattened(mesh: trimesh.Trimesh, planes: Array) -> trimesh.Trimesh:

@@ -14,6 +14,10 @@ Array = NDArray[np.float64]
 FLAT = 1e-6
 """Vertices within this distance in m of the lowest one lie in the plane."""
 _DIRECTIONS = np.linspace(0.0, 2 * np.pi, 720, endpoint=False)
+_TIPPING_DIRECTIONS = np.linspace(0.0, 2 * np.pi, 36, endpoint=False)
+_LINES = 40
+_MOST_TILT = 0.02
+"""rad"""
 
 
 def felt_points(mesh: trimesh.Trimesh, R_WO: RotationMatrix) -> Array:
@@ -45,32 +49,31 @@ def support_gap(felt: Array, polygon: Array) -> float:
     return float(gap.max())
 
 
-def tipping_inset(
-    felt: Array, areas: Array, polygon: Array, weight: float, com_height: float, stiffness: float
-) -> float:
-    """Returns how far inside the true support polygon an object tips at worst, m.
+def tipping_reach(
+    felt: Array, areas: Array, weight: float, com_height: float, stiffness: float
+) -> Array:
+    """Returns how far the centre of mass may be in each direction before the object tips, (d,), m.
 
     The plane is a foundation that only presses. An object that tilts by phi about a line stands
     on what is felt beyond the line: stiffness times phi times the first moment of that area is
     the weight, and the pressure's centre is where the COM may at most be, which has moved by
-    com_height times phi meanwhile. Of all lines the best counts.
+    com_height times phi meanwhile. Of all lines for which phi is small the best counts.
 
     Args:
-        felt: (n, 2) points of support.
+        felt: (n, 2) points of support in Wxy.
         areas: (n,) their areas, m^2.
-        polygon: (k, 2) corners of the true polygon.
         weight: N.
         com_height: of the centre of mass above the plane, m.
         stiffness: of the foundation, Pa/m.
     """
-    worst = -np.inf
-    for angle in _DIRECTIONS[::15]:
-        direction = np.array([np.cos(angle), np.sin(angle)])
-        s = felt @ direction
-        lines = s.max() - np.geomspace(1e-5, np.ptp(s), 60)
+    reach = []
+    for angle in _TIPPING_DIRECTIONS:
+        s = felt @ np.array([np.cos(angle), np.sin(angle)])
+        lines = s.max() - np.geomspace(1e-5, np.ptp(s), _LINES)
         moments = np.clip(s - lines[:, None], 0.0, None) * areas
         total = moments.sum(axis=1)
         tilt = weight / (stiffness * total)
-        reach = float(np.max((moments @ s) / total - com_height * tilt))
-        worst = max(worst, float(np.max(polygon @ direction)) - reach)
-    return worst
+        place = (moments @ s) / total - com_height * tilt
+        # The last line has everything beyond it, so that it tilts least.
+        reach.append(float(np.max(place, where=tilt <= _MOST_TILT, initial=place[-1])))
+    return np.array(reach)

@@ -1,26 +1,32 @@
 """Divides the faces of a resting plane so that the support polygon is felt where it is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, cKDTree
 
-from keypush.objects.meshing.caps import Cap, triangulate_cap
-from keypush.objects.meshing.felt import FLAT, support_gap, tipping_inset
+from keypush.objects.meshing.caps import Cap, grid_points, triangulate_cap
+from keypush.objects.meshing.felt import FLAT, support_gap, tipping_reach
 from keypush.objects.meshing.outline import outline_loops
 from keypush.objects.meshing.surface import FREE, Surface
 from keypush.objects.resting import RestingPose
 
 Array = NDArray[np.float64]
 
-SUPPORT_GAP = 9e-4
-"""The felt support polygon falls short of the true one by at most this, m."""
-TIPPING_INSETS = ((5e11, 8.5e-4), (5e9, 1.9e-3))
-"""On a table of such stiffness, in Pa/m, an upright object tips at most so far inside its support
-polygon, m: one so hard that the mesh alone decides, and the one that ships (see `table`)."""
+SUPPORT_GAPS = (6e-4, 9e-4)
+"""The felt support polygon falls short of the true one by at most this, m: of an upright object,
+which then tips within 1 mm of where it should on a hard table, and in other poses."""
+STIFFNESSES = (5e10, 5e9)
+"""Of the tables on which it matters where an upright object tips, Pa/m: one ten times as hard as
+the one that ships, and that one (see `table`)."""
+TIPPING_EXCESS, MEAN_EXCESS = 8e-4, 2e-4
+"""There it tips at most so much sooner than with infinitely many faces, m: in any direction, and on
+average over all."""
 _WEIGHT = 1.0
 """N."""
+_GRID = 5e-4
+"""Spacing of the points that stand for infinitely many faces, m."""
 _RIMS = ((0.0, 0.0), (2e-3, 2.5e-3), (1.4e-3, 1e-3), (8e-4, 2.5e-3), (8e-4, 1e-3), (5e-4, 1e-3),
          (5e-4, 0.0))  # fmt: skip
 """What is tried: width of a rim, and the distance from a line within which corners of its inside
@@ -31,8 +37,9 @@ _EAR_SHARE = 0.4
 """Share of an outline's edge that an ear takes at most."""
 _SHORT, _ROOM = 1e-3, 1.5
 """Edges that are shorter, m, or not so many times longer than an ear's side are its side whole."""
-_SHARP = np.deg2rad(28.0)
-"""Corners of a support polygon that turn by more get an ear at once."""
+_STAGES = ((np.deg2rad(28.0), np.inf), (np.deg2rad(28.0), 0.02), (0.0, 0.02))
+"""What is done to the outline, until the support is felt well enough: corners that turn by more
+get an ear; edges that are longer, m, are divided."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +49,29 @@ class Support:
     pose: RestingPose
     polygon: Array
     """The true support polygon (k, 2) in Wxy."""
-    com_height: float | None
-    """Height of the centre of mass above the plane, m; None: where it tips does not matter."""
+    com_height: float
+    """Height of the centre of mass above the plane, m."""
+    reaches: tuple[Array, ...] = ()
+    """For each of `STIFFNESSES` how far its COM may be in each direction, m; empty where it does
+    not matter."""
+
+    def with_reaches(self, surface: Surface, plane: int) -> "Support":
+        """Measures how far the COM may be where the plane's faces are infinitely many."""
+        R = self.pose.R_WO.matrix()
+        loops = [
+            (np.array([surface.points[v] for v in loop]) @ R.T)[::-1, :2]
+            for loop in outline_loops(surface, plane)
+        ]
+        if not loops:
+            return self
+        points = grid_points(loops, _GRID)
+        areas = np.full(len(points), _GRID**2)
+        return replace(
+            self,
+            reaches=tuple(
+                tipping_reach(points, areas, _WEIGHT, self.com_height, k) for k in STIFFNESSES
+            ),
+        )
 
     def shortfall(self, felt: Array, areas: Array) -> float:
         """Returns how much of what is allowed is used: at most 1 where it is felt well enough.
@@ -52,13 +80,12 @@ class Support:
             felt: (n, 2) points of support in Wxy.
             areas: (n,) their areas, m^2.
         """
-        worst = support_gap(felt, self.polygon) / SUPPORT_GAP
-        for stiffness, most in TIPPING_INSETS if self.com_height is not None else ():
-            inset = tipping_inset(
-                felt, areas, self.polygon, _WEIGHT, self.com_height or 0.0, stiffness
-            )
-            worst = max(worst, inset / most)
-        return worst
+        worst = support_gap(felt, self.polygon) / SUPPORT_GAPS[0 if self.reaches else 1]
+        for stiffness, ideal in zip(STIFFNESSES, self.reaches, strict=bool(self.reaches)):
+            reach = tipping_reach(felt, areas, _WEIGHT, self.com_height, stiffness)
+            excess = np.clip(ideal - reach, 0.0, None)
+            worst = max(worst, excess.max() / TIPPING_EXCESS, excess.mean() / MEAN_EXCESS)
+        return float(worst)
 
 
 def refine_plane(surface: Surface, plane: int, support: Support) -> None:
@@ -80,10 +107,11 @@ def refine_plane(surface: Surface, plane: int, support: Support) -> None:
     lone = [v for v in touching if plane not in surface.planes_of(v)]
     alone = points[np.array(lone, dtype=np.int64), :2]
     turns = _hull_corners(surface, plane, R, hull)
-    for least in (_SHARP, 0.0):
+    for least, spacing in _STAGES:
         ears = {v for v, turn in turns.items() if turn > least}
         for v in ears:
             _make_room(surface, plane, v, turns[v])
+        _divide_edges(surface, plane, spacing)
         loops = outline_loops(surface, plane)
         caps = [_triangulate(surface, loops, ears, R, rim, coarse) for rim, coarse in _RIMS]
         caps.sort(key=lambda cap: len(cap.faces))
@@ -138,6 +166,17 @@ def _make_room(surface: Surface, plane: int, v: int, turn: float) -> None:
             here = min(side, _EAR_SHARE * length)
             if length > _ROOM * here and length > _SHORT:
                 surface.split(v, w, surface.points[v] + offset * (here / length))
+
+
+def _divide_edges(surface: Surface, plane: int, spacing: float) -> None:
+    """Divides the outline's edges that are longer than `spacing`, m, evenly."""
+    for loop in outline_loops(surface, plane):
+        for u, v in zip(loop, loop[1:] + loop[:1], strict=True):
+            start, end = surface.points[u], surface.points[v]
+            count = int(np.ceil(float(np.linalg.norm(end - start)) / spacing))
+            last = u
+            for k in range(1, count):
+                last = surface.split(last, v, start + (end - start) * (k / count))
 
 
 def _triangulate(

@@ -78,8 +78,9 @@ class Surface:
         if len(shared) != 2:
             return False
         opposite = {w for f in shared for w in self.faces[f]} - {u, v}
-        if self.neighbours(u) & self.neighbours(v) != opposite:
-            return False
+        near_u, near_v = self.neighbours(u), self.neighbours(v)
+        if near_u & near_v != opposite or len(near_u | near_v) <= 4:
+            return False  # two sheets would touch, or a tetrahedron would lose its inside
         for vertex in (u, v):
             for f in self.around[vertex] - shared:
                 before = self.normals_area(self.faces[f])

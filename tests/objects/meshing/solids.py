@@ -4,7 +4,8 @@ import numpy as np
 import trimesh
 
 from keypush.objects.generators import solids
-from keypush.objects.generators.solids import above_ground, box, ellipsoid, lathe, prism, to_mesh
+from keypush.objects.generators.solids import above_ground, box, ellipsoid, lathe, prism
+from keypush.objects.manifolds import to_mesh
 
 STAR = [
     (radius * np.cos(angle), radius * np.sin(angle))

@@ -38,7 +38,7 @@ def assert_covers(cap: Cap, loops: list[np.ndarray]) -> None:
 
 @pytest.mark.parametrize(("rim", "coarse"), RIMS)
 @pytest.mark.parametrize(
-    "loops", [[SQUARE], [SQUARE, HOLE], [np.array(STAR)], [SQUARE, SQUARE + [0.1, 0.0]]]
+    "loops", [[SQUARE], [SQUARE, HOLE], [np.array(STAR)], [SQUARE, SQUARE + np.array([0.1, 0.0])]]
 )
 def test_the_polygon_is_covered_once(loops: list[np.ndarray], rim: float, coarse: float) -> None:
     assert_covers(triangulate_cap(loops, [], rim, coarse), loops)

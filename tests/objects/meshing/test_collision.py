@@ -6,7 +6,8 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from keypush.objects.generators.solids import box, to_mesh
+from keypush.objects.generators.solids import box
+from keypush.objects.manifolds import to_mesh
 from keypush.objects.meshing.collision import CLOSE_ENOUGH, collision_mesh
 from keypush.objects.meshing.distance import hausdorff
 from keypush.objects.meshing.felt import FLAT, felt_points, support_gap

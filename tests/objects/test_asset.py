@@ -1,0 +1,95 @@
+"""Assets on disk: whole or not at all, and the same when they are read again."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from keypush.errors import UserError
+from keypush.objects.asset import ObjectAsset, read_asset, write_asset
+from keypush.objects.build import BuildOptions, build_asset
+from keypush.objects.generators.solids import box
+from keypush.objects.library import load_object, object_folder
+from keypush.objects.manifolds import to_mesh
+
+
+def brick(name: str = "brick") -> ObjectAsset:
+    mesh = to_mesh(box((0.2, 0.1, 0.06)))
+    return build_asset(name, mesh, mesh, BuildOptions(up="z", mass=0.25), {"file": "a.stl"})
+
+
+def test_what_is_written_is_read(tmp_path: Path) -> None:
+    asset = brick()
+    write_asset(asset, tmp_path / "brick")
+    found = read_asset(tmp_path / "brick")
+    assert (found.name, found.mass, found.colour) == ("brick", 0.25, asset.colour)
+    assert found.provenance == asset.provenance
+    np.testing.assert_array_equal(found.collision.faces, asset.collision.faces)
+    np.testing.assert_allclose(found.collision.vertices, asset.collision.vertices, atol=1e-10)
+    np.testing.assert_allclose(found.visual.vertices, asset.visual.vertices, atol=1e-8)
+    np.testing.assert_array_equal(found.p_OoOcm_O, asset.p_OoOcm_O)
+    np.testing.assert_array_equal(found.inertia_per_mass, asset.inertia_per_mass)
+    for pose, expected in zip(found.poses, asset.poses, strict=True):
+        assert pose.R_WO.IsNearlyEqualTo(expected.R_WO, 1e-12)
+        assert (pose.height, pose.share) == (expected.height, expected.share)
+    assert list(tmp_path.iterdir()) == [tmp_path / "brick"]  # nothing half-written beside it
+
+
+def test_an_existing_folder_is_kept(tmp_path: Path) -> None:
+    (tmp_path / "brick").mkdir()
+    with pytest.raises(UserError, match=r"'brick'.*exists; allowed: another name"):
+        write_asset(brick(), tmp_path / "brick")
+    assert list((tmp_path / "brick").iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UserError, match="cannot be written") as caught:
+        write_asset(brick(), tmp_path / "file" / "brick")
+    assert "\n" not in str(caught.value)
+
+
+def damage_text(folder: Path) -> None:
+    (folder / "object.json").write_text("{")
+
+
+def damage_format(folder: Path) -> None:
+    found = json.loads((folder / "object.json").read_text())
+    (folder / "object.json").write_text(json.dumps({**found, "format": 99}))
+
+
+def damage_inertia(folder: Path) -> None:
+    found = json.loads((folder / "object.json").read_text())
+    (folder / "object.json").write_text(json.dumps({**found, "inertia_per_mass": [1, 2]}))
+
+
+def damage_mesh(folder: Path) -> None:
+    (folder / "visual.ply").write_bytes(b"ply\nnonsense")
+
+
+def lose_mesh(folder: Path) -> None:
+    (folder / "collision.obj").unlink()
+
+
+@pytest.mark.parametrize(
+    "damage", [damage_text, damage_format, damage_inertia, damage_mesh, lose_mesh]
+)
+def test_a_damaged_asset_is_refused_by_its_folder(
+    tmp_path: Path, damage: Callable[[Path], None]
+) -> None:
+    folder = tmp_path / "brick"
+    write_asset(brick(), folder)
+    damage(folder)
+    with pytest.raises(UserError, match="cannot be read") as caught:
+        read_asset(folder)
+    assert str(folder) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_surface_samples_are_the_same_whenever_it_is_read() -> None:
+    points, normals = load_object("mug").surface_samples
+    again, _ = read_asset(object_folder("mug")).surface_samples
+    np.testing.assert_array_equal(points, again)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0)
