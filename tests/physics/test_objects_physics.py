@@ -11,7 +11,7 @@ from tests.physics.exact_shapes import any_model
 CENIC = SimulationConfig()
 DISCRETE = SimulationConfig(integrator="discrete")
 SETTINGS = pytest.mark.parametrize("setting", [CENIC, DISCRETE], ids=["cenic", "discrete"])
-TOPPLING = pytest.mark.parametrize("name", ["tall_box", "rod", "flask", "candle", "bottle"])
+TOPPLING = pytest.mark.parametrize("name", ["tall_box", "rod", "flask", "candle"])
 
 
 @EVERY_OBJECT
@@ -32,15 +32,16 @@ def deceleration(name: str, speed: float, duration: float, setting: SimulationCo
 
 
 @pytest.mark.parametrize("speed", [0.1, 0.2, 0.3])
-@pytest.mark.parametrize(("name", "tolerance"), [("box", 0.02), ("disc", 0.02), ("mug", 0.08)])
+@pytest.mark.parametrize(("name", "tolerance"), [("box", 0.02), ("disc", 0.02), ("cup", 0.08)])
 def test_sliding_decelerates_at_mu_g_at_pushing_speeds(
     name: str, tolerance: float, speed: float
 ) -> None:
     """Over 0.6 of the time in which it stops; a push has 0.065 m/s.
 
     Faster slides are not ours to trust: long steps hold the friction of a normal force that
-    they have not found yet, and from 1 m/s the box decelerates 1.18, the mug 1.46 times mu g.
-    The bottle is left out since it is about to topple: its half base over mu is its COM height.
+    they have not found yet, and from 1 m/s the box decelerates 1.18, a cup 1.46 times mu g.
+    What is about to topple, its half base over mu its COM height, is left out; so is what leans
+    out just above its base, which the table's margin brakes.
     """
     duration = 0.6 * speed / (FRICTION * GRAVITY)
     assert deceleration(name, speed, duration, CENIC) == pytest.approx(1.0, abs=tolerance)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from keypush.checking.object_checks import HARD_TABLE
 from keypush.checking.object_scene import GRAVITY, ObjectScene
 from keypush.checking.tipping import com_beyond_edge, com_height, directions, tipping_inset
 from keypush.objects.catalogue import catalogue_names
@@ -12,11 +13,12 @@ from tests.physics.exact_shapes import EXACT, any_model, exact_model
 
 SHAPES = pytest.mark.parametrize("name", [*EXACT, *catalogue_names()])
 SHIPPED = SimulationConfig()
-HARD = SimulationConfig(table_modulus=5e8)
-"""Ten times the shipped modulus. CENIC's long steps kick pushed objects over on it, so it is
-not what we ship; it shows that the meshes' rims are true to 1 mm."""
+HARD = SimulationConfig(table_modulus=HARD_TABLE)
+"""A hundred times the shipped modulus. CENIC's long steps kick pushed objects over on it, so it is
+not what we ship; it shows that the meshes are true to 1 mm where the table gives nothing."""
 ACROSS = [(name, i) for name in EXACT for i in (0, 1) if (name, i) != ("l_prism", 0)]
 """Directions in which an object tips straight ahead; the L tips across its slanted side."""
+CORNERS = [("tall_box", 2), ("l_prism", 2)]
 SETTINGS = pytest.mark.parametrize("setting", [SHIPPED, HARD], ids=["shipped", "hard"])
 
 
@@ -30,8 +32,12 @@ def stands(name: str, direction: int, outside: float, setting: SimulationConfig)
 @pytest.mark.parametrize("direction", range(4))
 @SHAPES
 def test_it_stands_with_its_com_2_mm_inside(name: str, direction: int) -> None:
-    """2 mm and not 1 because the shipped table is soft; worst are a tall box's corners, 1.97."""
-    assert stands(name, direction, -0.002, SHIPPED)
+    """2 mm and not 1 because the shipped table is soft; only two sharp corners need more.
+
+    The foundation itself tips a tall box 2.3 mm inside its corner.
+    """
+    inside = 0.0025 if (name, direction) in CORNERS else 0.002
+    assert stands(name, direction, -inside, SHIPPED)
 
 
 @pytest.mark.parametrize("direction", range(4))
@@ -75,4 +81,4 @@ def test_the_tables_formula_for_a_straight_edge(name: str, setting: SimulationCo
     stiffness = setting.table_modulus / (THICKNESS / 2)
     inset = 1.5 * np.cbrt(4 * weight * height / (9 * stiffness * edge))
     along_x = tipping_inset(model, np.array([1.0, 0.0]), setting.table_modulus)
-    assert along_x == pytest.approx(inset, rel=0.03)
+    assert along_x == pytest.approx(inset, rel=0.03, abs=2e-5)  # it sums strips of 0.01 mm

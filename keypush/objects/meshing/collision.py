@@ -27,6 +27,8 @@ CLOSE_ENOUGH = 1.42e-3
 """The same, where there would be more than `MOST_FACES` otherwise, m."""
 _FINE = 1e-4
 """The solid is simplified by this much before all else, m."""
+_SAME = 1e-5
+"""Vertices that are nearer than this are one, m."""
 _OUTLINE = 3e-4
 """Outlines of resting faces are simplified by this much, m."""
 _FREE_FACES = (*range(420, 180, -30), 180, 140, 100, 60, 20)
@@ -38,7 +40,8 @@ def collision_mesh(solid: trimesh.Trimesh, poses: Sequence[RestingPose]) -> trim
     """Makes the mesh that touches from a closed solid in O and its stable poses, upright first."""
     planes = np.array([[*pose.down, pose.height] for pose in poses])
     fine = _simplified(with_skirt(_flattened(solid, planes)))
-    fine = _flattened(fine, planes)
+    # What that moves onto the same corner becomes one.
+    fine = to_mesh(to_manifold(_flattened(fine, planes)).simplify(_SAME))
     labels, touching = _resting_faces(fine, planes)
     surface = Surface(fine, labels)
     simplify_outlines(surface, len(planes), _OUTLINE)

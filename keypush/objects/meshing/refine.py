@@ -35,9 +35,11 @@ _EAR_GAP = 4.5e-4
 """How far inside its corner the centroid of an ear lies, m."""
 _EAR_SHARE = 0.4
 """Share of an outline's edge that an ear takes at most."""
+_SLIVER = 1e-9
+"""Twice the area of a face that is none, m^2."""
 _SHORT, _ROOM = 1e-3, 1.5
 """Edges that are shorter, m, or not so many times longer than an ear's side are its side whole."""
-_STAGES = ((np.deg2rad(28.0), np.inf), (np.deg2rad(28.0), 0.02), (0.0, 0.02))
+_STAGES = ((np.deg2rad(28.0), np.inf), (np.deg2rad(28.0), 0.02), (np.deg2rad(2.0), 0.02))
 """What is done to the outline, until the support is felt well enough: corners that turn by more
 get an ear; edges that are longer, m, are divided."""
 
@@ -100,7 +102,7 @@ def refine_plane(surface: Surface, plane: int, support: Support) -> None:
     points = np.array(surface.points) @ R.T
     used = np.array([bool(faces) for faces in surface.around])
     touching: list[int] = np.flatnonzero(used & (points[:, 2] < -height + FLAT)).tolist()
-    _label_flat_faces(surface, plane, set(touching))
+    _label_flat_faces(surface, plane, set(touching), support.pose.down)
     if plane not in surface.labels.values():
         return  # it rests on corners and edges alone, which are felt where they are
     hull = points[touching, :2][ConvexHull(points[touching, :2]).vertices]
@@ -130,11 +132,14 @@ def _shortfall(support: Support, cap: Cap, alone: Array) -> float:
     return support.shortfall(felt, np.concatenate([cap.areas(), np.zeros(len(alone))]))
 
 
-def _label_flat_faces(surface: Surface, plane: int, touching: set[int]) -> None:
+def _label_flat_faces(surface: Surface, plane: int, touching: set[int], down: Array) -> None:
     """Labels faces that decimation has left in the plane."""
     for f, face in surface.faces.items():
         if surface.labels[f] == FREE and touching.issuperset(face):
-            surface.labels[f] = plane
+            normal = surface.normals_area(face)
+            # A sliver may face anywhere.
+            if normal @ down > max(0.99 * float(np.linalg.norm(normal)), _SLIVER):
+                surface.labels[f] = plane
 
 
 def _hull_corners(surface: Surface, plane: int, R: Array, hull: Array) -> dict[int, float]:

@@ -15,6 +15,8 @@ Face = tuple[int, int, int]
 FREE = -1
 _LEAST_COSINE = 0.2
 """No face may turn by more than this when an edge collapses, lest the surface folds."""
+_NOTHING = 1e-20
+"""Square of twice the area of a face that has none, m^4."""
 
 
 class Surface:
@@ -84,6 +86,8 @@ class Surface:
         for vertex in (u, v):
             for f in self.around[vertex] - shared:
                 before = self.normals_area(self.faces[f])
+                if before @ before < _NOTHING:
+                    continue  # a sliver faces anywhere
                 after = self.normals_area(self.faces[f], {vertex: point})
                 product = float(before @ after)
                 limit = _LEAST_COSINE * float(np.sqrt((before @ before) * (after @ after)))
