@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import trimesh
+from manifold3d import Manifold
 from numpy.typing import NDArray
 
 from keypush.objects.manifolds import to_manifold, to_mesh
@@ -41,7 +42,7 @@ def collision_mesh(solid: trimesh.Trimesh, poses: Sequence[RestingPose]) -> trim
     planes = np.array([[*pose.down, pose.height] for pose in poses])
     fine = _simplified(with_skirt(_flattened(solid, planes)))
     # What that moves onto the same corner becomes one.
-    fine = to_mesh(to_manifold(_flattened(fine, planes)).simplify(_SAME))
+    fine = _simplify(to_manifold(_flattened(fine, planes)), _SAME)
     labels, touching = _resting_faces(fine, planes)
     surface = Surface(fine, labels)
     simplify_outlines(surface, len(planes), _OUTLINE)
@@ -74,11 +75,23 @@ def _support(solid: trimesh.Trimesh, pose: RestingPose) -> Support:
 def _simplified(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     """Drops vertices that matter little, a little more at a time until few enough are left."""
     whole = to_manifold(mesh)
-    tolerance, simple = _FINE, whole.simplify(_FINE)
-    while simple.num_tri() > _MOST_FACES and tolerance < CLOSE_ENOUGH / 2:
+    tolerance, simple = _FINE, _simplify(whole, _FINE)
+    while len(simple.faces) > _MOST_FACES and tolerance < CLOSE_ENOUGH / 2:
         tolerance *= 1.5
-        simple = whole.simplify(tolerance)
-    return to_mesh(simple)
+        simple = _simplify(whole, tolerance)
+    return simple
+
+
+def _simplify(solid: Manifold, tolerance: float) -> trimesh.Trimesh:
+    """Simplifies by about `tolerance`, m, such that no edge has more than two faces.
+
+    For manifold3d two edges may have the same ends; for a mesh they are then one.
+    """
+    for share in (1.0, 0.7, 1.4, 0.4, 2.0, 0.1):
+        simple = to_mesh(solid.simplify(share * tolerance))
+        if simple.is_watertight:
+            return simple
+    return to_mesh(solid)
 
 
 def _flattened(mesh: trimesh.Trimesh, planes: Array) -> trimesh.Trimesh:
