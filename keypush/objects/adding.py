@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from keypush import __version__
-from keypush.errors import UserError
+from keypush.errors import UserError, one_line
 from keypush.objects.asset import ObjectAsset, write_asset
 from keypush.objects.build import BuildOptions, build_asset
 from keypush.objects.importing.process import import_mesh
@@ -75,7 +75,11 @@ def add_object_file(
         "keypush": __version__,
         "notes": list(found.notes),
     }
-    asset = build_asset(name, found.solid, found.surface, build, provenance)
+    try:
+        asset = build_asset(name, found.solid, found.surface, build, provenance)
+    except (ArithmeticError, LookupError, RuntimeError, ValueError) as error:
+        # Geometry that nobody foresaw: the file is refused, and the cause stays attached.
+        raise UserError(f"{file}: no object can be made of it: {one_line(error)}") from error
     folder = user_objects_dir() / name
     write_asset(asset, folder)
     return asset, folder

@@ -58,7 +58,7 @@ def build_asset(
         provenance: where it comes from; what was found is added.
 
     Raises:
-        UserError: it has no stable pose, or none with that axis up.
+        UserError: it has no stable pose, none with that axis up, or cannot be made closed.
     """
     solid, surface = solid.copy(), surface.copy()
     _place(solid, surface, RotationMatrix(), options.diameter)
@@ -68,6 +68,10 @@ def build_asset(
     com, inertia = uniform_density(solid, 1.0)
     poses = _upright_first(find_resting_poses(solid, com))
     collision = collision_mesh(solid, poses)
+    if not (collision.is_watertight and collision.is_winding_consistent and collision.volume > 0):
+        raise UserError(
+            f"object {name!r}: what touches cannot be made closed of it; allowed: a simpler mesh"
+        )
     mass = options.mass
     if mass is None:
         density = options.density

@@ -109,13 +109,13 @@ def _flattened(mesh: trimesh.Trimesh, planes: Array) -> trimesh.Trimesh:
 def _resting_faces(
     mesh: trimesh.Trimesh, planes: Array
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Returns for each face the plane in which it lies, for each vertex whether it is in any."""
+    """Returns for each face the plane in which it lies, (m,), and what vertices are in, (n, k)."""
     touching = _depth(np.asarray(mesh.vertices), planes) < FLAT
     labels = np.full(len(mesh.faces), FREE)
     for plane in range(len(planes)):
         outwards = mesh.face_normals @ planes[plane, :3] > 0.99
         labels[touching[mesh.faces, plane].all(axis=1) & outwards] = plane
-    return labels, touching.any(axis=1)
+    return labels, touching
 
 
 def _depth(vertices: Array, planes: Array) -> Array:

@@ -28,11 +28,12 @@ class Decimator:
         Args:
             surface: mesh under edit.
             planes: its resting planes (k, 4): outward normal and offset.
-            touching: for each vertex whether it touches one of them; these stay.
+            touching: for each vertex and plane whether it lies there, (n, k); these stay.
         """
         self._surface = surface
         self._planes = planes
-        self._fixed = touching.tolist()
+        self._touching = touching
+        self._fixed = touching.any(axis=1).tolist()
         self._quadrics = np.zeros((len(surface.points), 4, 4))
         for face in surface.faces.values():
             normal = surface.normals_area(face)
@@ -92,10 +93,19 @@ class Decimator:
 
     def _allowed(self, u: int, v: int, point: Array) -> bool:
         if self._fixed[v]:
-            return True
+            return not self._lays_flat(u, v)
         points = np.array([point, self._surface.points[u], self._surface.points[v]])
         above = self._planes[:, 3] - points @ self._planes[:, :3].T
         return bool(np.all(above[0] >= np.minimum(_CLEARANCE, above[1:].min(axis=0))))
+
+    def _lays_flat(self, u: int, v: int) -> bool:
+        """Whether a face of u would lie in a resting plane if u went to v: walls must stand."""
+        surface = self._surface
+        for f in surface.around[u] - surface.around[v]:
+            a, b = (w for w in surface.faces[f] if w != u)
+            if np.any(self._touching[v] & self._touching[a] & self._touching[b]):
+                return True
+        return False
 
 
 def _minimum(quadric: Array, start: Array) -> Array:
