@@ -18,7 +18,7 @@ def main() -> None:
         entry = catalogue()[name]
         mesh = entry.generate()
         made = {"generator": entry.generator, "parameters": dict(entry.parameters)}
-        asset = build_asset(name, mesh, mesh, BuildOptions(up="z", colour=entry.colour), made)
+        asset = build_asset(name, mesh, BuildOptions(up="z", colour=entry.colour), made)
         shutil.rmtree(folder / name, ignore_errors=True)
         write_asset(asset, folder / name)
 

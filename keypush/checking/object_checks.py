@@ -7,8 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 from pydrake.math import RotationMatrix
+from scipy.spatial import QhullError
 
 from keypush.checking.object_scene import ObjectScene
 from keypush.checking.tipping import com_beyond_edge, directions
@@ -103,15 +105,17 @@ def _surface(model: ObjectModel) -> Check:
 def _support(model: ObjectModel, poses: Sequence[RestingPose]) -> Check:
     """The worst over all stable poses."""
     seen = model.visual if model.visual.is_watertight else model.mesh
-    gap = max(
-        support_gap(
-            felt_points(model.mesh, pose.R_WO),
-            support_polygon(np.asarray(seen.vertices), pose.R_WO, TOUCH_TOLERANCE),
-        )
-        for pose in poses
-    )
+    gap = max(_support_gap(model, seen, pose) for pose in poses)
     text = f"support polygon short of the true one in {len(poses)} stable poses, m"
     return Check(gap < MOST_SUPPORT_GAP, gap, MOST_SUPPORT_GAP, text)
+
+
+def _support_gap(model: ObjectModel, seen: trimesh.Trimesh, pose: RestingPose) -> float:
+    try:
+        true = support_polygon(np.asarray(seen.vertices), pose.R_WO, TOUCH_TOLERANCE)
+    except QhullError:  # it touches in less than three places
+        return float("inf")
+    return support_gap(felt_points(model.mesh, pose.R_WO), true)
 
 
 def _stands(model: ObjectModel) -> Check:

@@ -27,7 +27,7 @@ class Bench(ScenarioOptions):
     time per reset when the object's mass, friction or size differs in every episode."""
     json: bool = False
     """Print one JSON object instead of a table."""
-    objects: Annotated[str, tyro.conf.arg(metavar="train|unseen|all|NAME,...")] = "all"
+    objects: Annotated[str, tyro.conf.arg(metavar="train|id|ood|unseen|user|all|NAME,...")] = "all"
     """Objects to push."""
     episodes: Annotated[int, tyro.conf.arg(metavar="N")] = 5
     """Episodes per object."""

@@ -16,7 +16,9 @@ class Collect(ScenarioOptions, ParallelOptions):
     OUT/rows has the rows, OUT/episodes one line per episode, OUT/scenario.yaml the scenario.
     """
 
-    objects: Annotated[str, tyro.conf.arg(metavar="train|unseen|all|NAME,...")] = "train"
+    objects: Annotated[str, tyro.conf.arg(metavar="train|id|ood|unseen|user|all|NAME,...")] = (
+        "train"
+    )
     """Objects to push."""
     episodes: int = 100
     """Episodes per object."""

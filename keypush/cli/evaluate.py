@@ -25,7 +25,9 @@ class Evaluate(ScenarioOptions, ParallelOptions):
     """Who drives the tool: the learned keypoint, the expert, or the cloud's centroid."""
     weights: str | None = None
     """Name of shipped weights, or path of a .safetensors file."""
-    objects: Annotated[str, tyro.conf.arg(metavar="train|unseen|all|NAME,...")] = "unseen"
+    objects: Annotated[str, tyro.conf.arg(metavar="train|id|ood|unseen|user|all|NAME,...")] = (
+        "unseen"
+    )
     """Objects to push."""
     episodes: int = 50
     """Episodes per object."""

@@ -154,7 +154,7 @@ class Add:
 
     def run(self) -> None:
         """Runs the verb."""
-        from keypush.objects.adding import AddOptions, add_object_file
+        from keypush.checking.adding import AddOptions, add_object_file
         from keypush.objects.listing import tell_object
 
         options = AddOptions(diameter=self.scale, up=self.up, density=self.density, mass=self.mass)

@@ -24,7 +24,7 @@ class ParallelOptions:
 
     out: Path
     """Folder for the results; a stopped run goes on in it."""
-    objects: Annotated[str, tyro.conf.arg(metavar="train|unseen|all|NAME,...")]
+    objects: Annotated[str, tyro.conf.arg(metavar="train|id|ood|unseen|user|all|NAME,...")]
     """Objects to push."""
     episodes: int
     """Episodes per object."""

@@ -44,7 +44,6 @@ class BuildOptions:
 def build_asset(
     name: str,
     solid: trimesh.Trimesh,
-    surface: trimesh.Trimesh,
     options: BuildOptions,
     provenance: Mapping[str, Any],
 ) -> ObjectAsset:
@@ -52,19 +51,18 @@ def build_asset(
 
     Args:
         name: of the object.
-        solid: closed mesh, faces outwards.
-        surface: mesh in the same frame that is seen and sampled.
+        solid: closed mesh, faces outwards; it is what is seen, too.
         options: what the solid does not say.
         provenance: where it comes from; what was found is added.
 
     Raises:
         UserError: it has no stable pose, none with that axis up, or cannot be made closed.
     """
-    solid, surface = solid.copy(), surface.copy()
-    _place(solid, surface, RotationMatrix(), options.diameter)
+    solid = solid.copy()
+    _place(solid, RotationMatrix(), options.diameter)
     com, _ = uniform_density(solid, 1.0)
     upright = _choose_upright(name, find_resting_poses(solid, com), options.up)
-    _place(solid, surface, upright.R_WO, options.diameter)
+    _place(solid, upright.R_WO, options.diameter)
     com, inertia = uniform_density(solid, 1.0)
     poses = _upright_first(find_resting_poses(solid, com))
     collision = collision_mesh(solid, poses)
@@ -79,7 +77,7 @@ def build_asset(
     found = {"volume": float(solid.volume), "collision_distance": hausdorff(collision, solid)}
     return ObjectAsset(
         name=name,
-        visual=surface,
+        visual=solid,
         collision=collision,
         colour=options.colour,
         mass=mass,
@@ -90,17 +88,12 @@ def build_asset(
     )
 
 
-def _place(
-    solid: trimesh.Trimesh, surface: trimesh.Trimesh, R: RotationMatrix, diameter: float
-) -> None:
-    """Turns both, puts the middle of the solid's bounding box at the origin, and scales."""
+def _place(solid: trimesh.Trimesh, R: RotationMatrix, diameter: float) -> None:
+    """Turns a solid, puts the middle of its bounding box at the origin, and scales it."""
     turned = np.asarray(solid.vertices) @ R.matrix().T
-    middle = (turned.min(axis=0) + turned.max(axis=0)) / 2
-    radius = float(np.linalg.norm(turned - middle, axis=1).max())
-    for mesh in (solid, surface):
-        mesh.vertices = (np.asarray(mesh.vertices) @ R.matrix().T - middle) * (
-            diameter / 2 / radius
-        )
+    centred = turned - (turned.min(axis=0) + turned.max(axis=0)) / 2
+    radius = float(np.linalg.norm(centred, axis=1).max())
+    solid.vertices = centred * (diameter / 2 / radius)
 
 
 def _choose_upright(name: str, poses: list[RestingPose], up: str | None) -> RestingPose:

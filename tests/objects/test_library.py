@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from keypush.checking.adding import AddOptions, add_object_file
 from keypush.errors import UserError
-from keypush.objects.adding import AddOptions, add_object_file
 from keypush.objects.catalogue import GROUPS, catalogue_names
 from keypush.objects.generators.solids import box
 from keypush.objects.library import (

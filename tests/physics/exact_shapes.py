@@ -33,7 +33,7 @@ def exact_model(name: str) -> ObjectModel:
         mesh = trimesh.creation.revolve(np.array(_TURNED[name], dtype=float), sections=48)
     else:
         mesh = trimesh.creation.extrude_polygon(_L_PRISM, 3.5)
-    return scaled_model(build_asset(name, mesh, mesh, BuildOptions(up="z"), {}), 1.0)
+    return scaled_model(build_asset(name, mesh, BuildOptions(up="z"), {}), 1.0)
 
 
 def any_model(name: str) -> ObjectModel:

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from manifold3d import triangulate
 from numpy.typing import NDArray
-from shapely.geometry import Polygon
+from shapely.geometry import Point, Polygon
 
 Array = NDArray[np.float64]
 Face = tuple[int, int, int]
@@ -61,14 +62,19 @@ def triangulate_cap(
         cut.setdefault(k, set()).add(i)
     rest = [np.delete(loop, sorted(cut.get(k, ())), axis=0) for k, loop in enumerate(loops)]
     builder = _Builder(points, faces)
-    for polygon in _polygons(rest):
-        builder.fill(polygon, rim, coarse)
+    try:
+        for polygon in _polygons(rest):
+            builder.fill(polygon, rim, coarse)
+    except shapely.errors.GEOSException:
+        # The outline crosses itself, by a hair or more: any triangulation has to do.
+        plain = np.asarray(triangulate([np.asarray(loop) for loop in loops]))
+        return Cap(points, [(int(a), int(b), int(c)) for a, b, c in plain])
     return Cap(np.array(builder.points), builder.faces)
 
 
 def grid_points(loops: Sequence[Array], spacing: float) -> Array:
     """Returns the middles (n, 2) of the cells of a square grid that lie in what loops enclose."""
-    region = shapely.union_all(_polygons(loops))
+    region = shapely.union_all([shapely.make_valid(polygon) for polygon in _polygons(loops)])
     x0, y0, x1, y1 = region.bounds
     x, y = np.meshgrid(
         np.arange(x0 + spacing / 2, x1, spacing), np.arange(y0 + spacing / 2, y1, spacing)
@@ -112,10 +118,11 @@ class _Builder:
         for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
             self._add(a, b, centre)
 
-    def _delaunay(self, polygon: shapely.Geometry) -> None:
-        for triangle in _parts(shapely.constrained_delaunay_triangles(polygon)):
-            a, b, c = (self._id(p) for p in shapely_ccw(np.array(triangle.exterior.coords)[:3]))
-            self._add(a, b, c)
+    def _delaunay(self, region: shapely.Geometry) -> None:
+        for polygon in _parts(region):
+            for corners in _triangles(polygon):
+                a, b, c = (self._id(p) for p in shapely_ccw(corners))
+                self._add(a, b, c)
 
     def _add(self, a: int, b: int, c: int) -> None:
         if len({a, b, c}) == 3:
@@ -143,6 +150,19 @@ def _inset(polygon: Polygon, rim: float) -> shapely.Geometry:
     return polygon.buffer(-rim, join_style="mitre", mitre_limit=2.0)
 
 
+def _triangles(polygon: Polygon) -> list[Array]:
+    """Triangles (3, 2) that cover a polygon and have its corners alone."""
+    try:
+        found = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
+        return [np.array(triangle.exterior.coords)[:3] for triangle in found]
+    except shapely.errors.GEOSException:
+        # It touches itself; then any triangulation will do.
+        shape = shapely.geometry.polygon.orient(polygon)
+        rings = [np.array(ring.coords)[:-1] for ring in (shape.exterior, *shape.interiors)]
+        points = np.concatenate(rings)
+        return [points[corners] for corners in np.asarray(triangulate(rings))]
+
+
 def shapely_ccw(ring: Array) -> Array:
     """Returns a ring (n, 2) in anticlockwise sense."""
     x, y = ring.T
@@ -161,7 +181,9 @@ def _polygons(loops: Sequence[Array]) -> list[Polygon]:
     holes = [ring for ring in rings if not Polygon(ring).exterior.is_ccw]
     polygons = []
     for shell in outer:
-        inside = [h for h in holes if shell.covers(Polygon(h).representative_point())]
+        inside = [
+            h for h in holes if shapely.contains_xy(shell, *h[0]) or shell.touches(Point(h[0]))
+        ]
         polygons.append(Polygon(shell.exterior, inside))
     return polygons
 

@@ -32,7 +32,7 @@ _SAME = 1e-5
 """Vertices that are nearer than this are one, m."""
 _OUTLINE = 3e-4
 """Outlines of resting faces are simplified by this much, m."""
-_FREE_FACES = (*range(420, 180, -30), 180, 140, 100, 60, 20)
+_FREE_FACES = (2000, 1400, 1000, 700, 520, *range(420, 180, -30), 180, 140, 100, 60, 20)
 """Numbers of faces that are tried, besides those on which it rests."""
 _MOST_FACES = 5000
 

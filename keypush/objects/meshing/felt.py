@@ -69,7 +69,7 @@ def tipping_reach(
     reach = []
     for angle in _TIPPING_DIRECTIONS:
         s = felt @ np.array([np.cos(angle), np.sin(angle)])
-        lines = s.max() - np.geomspace(1e-5, np.ptp(s), _LINES)
+        lines = s.max() - np.geomspace(1e-5, max(float(np.ptp(s)), 2e-5), _LINES)
         moments = np.clip(s - lines[:, None], 0.0, None) * areas
         total = moments.sum(axis=1)
         tilt = weight / (stiffness * total)

@@ -4,7 +4,10 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+from shapely.errors import ShapelyError
+
 from keypush import __version__
+from keypush.checking.object_checks import check_object
 from keypush.errors import UserError, one_line
 from keypush.objects.asset import ObjectAsset, write_asset
 from keypush.objects.build import BuildOptions, build_asset
@@ -46,7 +49,7 @@ class AddOptions:
 def add_object_file(
     file: Path, name: str, options: AddOptions | None = None
 ) -> tuple[ObjectAsset, Path]:
-    """Reads a mesh file, mends it, and stores it as an object, whole or not at all.
+    """Reads a mesh file, mends it, checks it and stores it as an object, whole or not at all.
 
     Args:
         file: OBJ, STL, PLY, GLB, glTF or OFF.
@@ -58,7 +61,7 @@ def add_object_file(
 
     Raises:
         UserError: the name is taken or misspelled, an option is out of range, or the file
-            holds nothing that can be pushed.
+            holds nothing that can be pushed or that passes the checks.
     """
     options = options or AddOptions()
     check_new_name(name)
@@ -76,10 +79,15 @@ def add_object_file(
         "notes": list(found.notes),
     }
     try:
-        asset = build_asset(name, found.solid, found.surface, build, provenance)
-    except (ArithmeticError, LookupError, RuntimeError, ValueError) as error:
+        asset = build_asset(name, found.solid, build, provenance)
+        failed = [check.text for check in check_object(asset).values() if not check.ok]
+    except (ArithmeticError, LookupError, RuntimeError, ValueError, ShapelyError) as error:
         # Geometry that nobody foresaw: the file is refused, and the cause stays attached.
         raise UserError(f"{file}: no object can be made of it: {one_line(error)}") from error
+    if failed:
+        raise UserError(
+            f"{file}: what became of it could not be pushed reliably: wrong are {'; '.join(failed)}"
+        )
     folder = user_objects_dir() / name
     write_asset(asset, folder)
     return asset, folder
