@@ -58,7 +58,9 @@ def test_the_tool_pushes_straight_at_the_goal(episode: list[Step]) -> None:
     assert len(pushes) >= 10
     for step in pushes:
         moved = step.after.p_WR - step.before.p_WR
-        assert moved @ step.seen.d_W > 0.8 * CONFIG.push_speed * PERIOD
+        # A tool that is above its height sinks first: it would lift the object.
+        low = step.seen.X_WE.translation()[2] <= CONFIG.tool_height
+        assert moved @ step.seen.d_W > (0.8 if low else 0.0) * CONFIG.push_speed * PERIOD - 1e-9
         off_line = (step.after.p_WR - CONTACT) @ left_of(step.seen.d_W)
         assert abs(off_line) < CONFIG.reapproach_error
         R_WE = tool_rotation(step.seen.d_W, step.after.posture.pitch, step.after.posture.side)
