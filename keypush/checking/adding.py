@@ -1,7 +1,7 @@
 """Adds a mesh file to the user's objects."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 
 from shapely.errors import ShapelyError
@@ -18,43 +18,15 @@ _RANGES = {"scale": (0.02, 0.5), "mass": (0.001, 10.0), "density": (1.0, 25_000.
 """Allowed diameters in m, masses in kg, densities in kg/m^3."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class AddOptions:
-    """What a mesh file does not say."""
-
-    diameter: float = 0.1
-    """Of the bounding sphere, m."""
-    up: str | None = None
-    """Axis of the file that points up; None: the object rests as it does likeliest."""
-    density: float | None = None
-    """kg/m^3."""
-    mass: float | None = None
-    """kg."""
-
-    def validate(self) -> None:
-        """Checks the ranges.
-
-        Raises:
-            UserError: names the option, what it holds and what is allowed.
-        """
-        values = {"scale": self.diameter, "mass": self.mass, "density": self.density}
-        for name, value in values.items():
-            low, high = _RANGES[name]
-            if value is not None and not (math.isfinite(value) and low <= value <= high):
-                raise UserError(f"--{name} is {value!r}; allowed: {low:g} to {high:g}")
-        if self.mass is not None and self.density is not None:
-            raise UserError("--mass and --density are both given; allowed: one of them")
-
-
 def add_object_file(
-    file: Path, name: str, options: AddOptions | None = None
+    file: Path, name: str, options: BuildOptions | None = None
 ) -> tuple[ObjectAsset, Path]:
     """Reads a mesh file, mends it, checks it and stores it as an object, whole or not at all.
 
     Args:
         file: OBJ, STL, PLY, GLB, glTF or OFF.
         name: of the new object.
-        options: what the file does not say.
+        options: what the file does not say; a colour that it has counts.
 
     Returns:
         The object and the folder in which it is stored.
@@ -63,15 +35,12 @@ def add_object_file(
         UserError: the name is taken or misspelled, an option is out of range, or the file
             holds nothing that can be pushed or that passes the checks.
     """
-    options = options or AddOptions()
+    options = options or BuildOptions()
     check_new_name(name)
-    options.validate()
+    _check_options(options)
     found = import_mesh(file)
-    build = BuildOptions(
-        diameter=options.diameter, up=options.up, mass=options.mass, density=options.density
-    )
     if found.colour is not None:
-        build = BuildOptions(**{**build.__dict__, "colour": found.colour})
+        options = replace(options, colour=found.colour)
     provenance = {
         "file": file.name,
         "sha256": found.sha256,
@@ -79,7 +48,7 @@ def add_object_file(
         "notes": list(found.notes),
     }
     try:
-        asset = build_asset(name, found.solid, build, provenance)
+        asset = build_asset(name, found.solid, options, provenance)
         failed = [check.text for check in check_object(asset).values() if not check.ok]
     except (ArithmeticError, LookupError, RuntimeError, ValueError, ShapelyError) as error:
         # Geometry that nobody foresaw: the file is refused, and the cause stays attached.
@@ -91,3 +60,14 @@ def add_object_file(
     folder = user_objects_dir() / name
     write_asset(asset, folder)
     return asset, folder
+
+
+def _check_options(options: BuildOptions) -> None:
+    """Raises a UserError that names the option, what it holds and what is allowed."""
+    values = {"scale": options.diameter, "mass": options.mass, "density": options.density}
+    for name, value in values.items():
+        low, high = _RANGES[name]
+        if value is not None and not (math.isfinite(value) and low <= value <= high):
+            raise UserError(f"--{name} is {value!r}; allowed: {low:g} to {high:g}")
+    if options.mass is not None and options.density is not None:
+        raise UserError("--mass and --density are both given; allowed: one of them")

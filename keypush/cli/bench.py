@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import tyro
 
-from keypush.cli.options import ScenarioOptions, resolve_scenario
+from keypush.cli.options import OBJECTS, ScenarioOptions, resolve_scenario
 from keypush.errors import UserError
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ class Bench(ScenarioOptions):
     time per reset when the object's mass, friction or size differs in every episode."""
     json: bool = False
     """Print one JSON object instead of a table."""
-    objects: Annotated[str, tyro.conf.arg(metavar="train|id|ood|unseen|user|all|NAME,...")] = "all"
+    objects: Annotated[str, tyro.conf.arg(metavar=OBJECTS)] = "all"
     """Objects to push."""
     episodes: Annotated[int, tyro.conf.arg(metavar="N")] = 5
     """Episodes per object."""

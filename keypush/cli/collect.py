@@ -5,7 +5,7 @@ from typing import Annotated
 
 import tyro
 
-from keypush.cli.options import ScenarioOptions, resolve_scenario
+from keypush.cli.options import OBJECTS, ScenarioOptions, resolve_scenario
 from keypush.cli.parallel_options import ParallelOptions, run_episodes
 
 
@@ -16,9 +16,7 @@ class Collect(ScenarioOptions, ParallelOptions):
     OUT/rows has the rows, OUT/episodes one line per episode, OUT/scenario.yaml the scenario.
     """
 
-    objects: Annotated[str, tyro.conf.arg(metavar="train|id|ood|unseen|user|all|NAME,...")] = (
-        "train"
-    )
+    objects: Annotated[str, tyro.conf.arg(metavar=OBJECTS)] = "train"
     """Objects to push."""
     episodes: int = 100
     """Episodes per object."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from keypush.cli.options import Policy, ScenarioOptions, resolve_scenario
+from keypush.cli.options import OBJECTS, Policy, ScenarioOptions, resolve_scenario
 from keypush.cli.parallel_options import ParallelOptions, run_episodes
 
 if TYPE_CHECKING:
@@ -25,9 +25,7 @@ class Evaluate(ScenarioOptions, ParallelOptions):
     """Who drives the tool: the learned keypoint, the expert, or the cloud's centroid."""
     weights: str | None = None
     """Name of shipped weights, or path of a .safetensors file."""
-    objects: Annotated[str, tyro.conf.arg(metavar="train|id|ood|unseen|user|all|NAME,...")] = (
-        "unseen"
-    )
+    objects: Annotated[str, tyro.conf.arg(metavar=OBJECTS)] = "unseen"
     """Objects to push."""
     episodes: int = 50
     """Episodes per object."""

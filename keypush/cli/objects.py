@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 from tyro.conf import subcommand
 
+from keypush.cli.options import OBJECTS
 from keypush.cli.output import prepare_output_dir, write_output
 from keypush.errors import UserError
 
 if TYPE_CHECKING:
     from keypush.checking.object_checks import Check
     from keypush.objects.asset import ObjectAsset
-
-_LIST = "train|id|ood|user|all|NAME,..."
 
 
 @dataclass(kw_only=True)
@@ -75,7 +74,7 @@ class Show:
 class Sheet:
     """Write pictures of many objects on one sheet (PNG), each with its centre of mass."""
 
-    objects: Annotated[str, tyro.conf.arg(metavar=_LIST)] = "all"
+    objects: Annotated[str, tyro.conf.arg(metavar=OBJECTS)] = "all"
     """Objects to show."""
     out: Path = Path("objects.png")
     """File to write."""
@@ -154,10 +153,13 @@ class Add:
 
     def run(self) -> None:
         """Runs the verb."""
-        from keypush.checking.adding import AddOptions, add_object_file
+        from keypush.checking.adding import add_object_file
+        from keypush.objects.build import BuildOptions
         from keypush.objects.listing import tell_object
 
-        options = AddOptions(diameter=self.scale, up=self.up, density=self.density, mass=self.mass)
+        options = BuildOptions(
+            diameter=self.scale, up=self.up, density=self.density, mass=self.mass
+        )
         asset, folder = add_object_file(self.file, self.name, options)
         _tell(asset)
         for line in tell_object(asset):

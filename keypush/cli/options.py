@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from keypush.scenario import Scenario
 
 Policy = Literal["keypoint", "expert", "centroid"]
+OBJECTS = "train|id|ood|unseen|user|all|NAME,..."
+"""Stands in the help for a list of objects."""
 
 
 @dataclass(kw_only=True)

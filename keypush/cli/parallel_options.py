@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 import tyro
 
 from keypush import __version__
+from keypush.cli.options import OBJECTS
 from keypush.cli.output import prepare_output_dir
 from keypush.errors import UserError
 
@@ -24,7 +25,7 @@ class ParallelOptions:
 
     out: Path
     """Folder for the results; a stopped run goes on in it."""
-    objects: Annotated[str, tyro.conf.arg(metavar="train|id|ood|unseen|user|all|NAME,...")]
+    objects: Annotated[str, tyro.conf.arg(metavar=OBJECTS)]
     """Objects to push."""
     episodes: int
     """Episodes per object."""

@@ -1,12 +1,8 @@
 """Long-lived worker processes that Ctrl-C, a crash or the end of the parent cannot orphan."""
 
 import multiprocessing
-import os
-import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
@@ -17,6 +13,7 @@ from keypush.errors import UserError
 from keypush.rollout.job import Block
 from keypush.rollout.worker import Failed, MakeRunner, Message, work
 from keypush.scenario import Scenario
+from keypush.worker_environment import worker_environment
 
 _STOP_SECONDS = 5.0
 
@@ -52,7 +49,7 @@ class WorkerPool:
     def __enter__(self) -> Self:
         """Starts the processes."""
         context = multiprocessing.get_context("spawn")
-        with _worker_environment():
+        with worker_environment():
             for _ in range(self._count):
                 ours, theirs = context.Pipe()
                 process = context.Process(target=work, args=(theirs, *self._arguments), daemon=True)
@@ -103,28 +100,3 @@ def _receive(worker: Worker) -> Message:
             raise UserError(message.text)
         raise RuntimeError(f"{worker.block} failed in its process:\n{message.text}")
     return message
-
-
-@contextmanager
-def _worker_environment() -> Iterator[None]:
-    """What processes started inside inherit: one thread each, and SIGINT blocked.
-
-    Blocked before they start, Ctrl-C cannot reach workers even while they import; the
-    parent, which gets it as well, ends them. One thread, because sums in another order
-    would round differently, and because the processes fill the cores already.
-    """
-    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-    before = {name: os.environ.get(name) for name in names}
-    # Its first start unblocks SIGINT again, so it must not happen inside.
-    resource_tracker.ensure_running()
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    os.environ.update(dict.fromkeys(names, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)

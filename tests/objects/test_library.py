@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from keypush.checking.adding import AddOptions, add_object_file
+from keypush.checking.adding import add_object_file
 from keypush.errors import UserError
+from keypush.objects.build import BuildOptions
 from keypush.objects.catalogue import GROUPS, catalogue_names
 from keypush.objects.generators.solids import box
 from keypush.objects.library import (
@@ -44,7 +45,7 @@ def test_without_additions_there_are_the_built_in_objects(data_home: Path) -> No
 
 
 def test_an_added_object_is_like_a_built_in_one(crate: Path, data_home: Path) -> None:
-    asset, folder = add_object_file(crate, "crate", AddOptions(mass=0.2, up="z"))
+    asset, folder = add_object_file(crate, "crate", BuildOptions(mass=0.2, up="z"))
     assert folder == user_objects_dir() / "crate"
     assert folder.is_relative_to(data_home)
     assert object_names() == [*catalogue_names(), "crate"]
@@ -62,7 +63,7 @@ def test_a_taken_name_is_refused_and_the_object_kept(crate: Path) -> None:
     add_object_file(crate, "crate")
     before = load_object("crate")
     with pytest.raises(UserError, match="'crate', which is taken"):
-        add_object_file(crate, "crate", AddOptions(mass=0.5))
+        add_object_file(crate, "crate", BuildOptions(mass=0.5))
     assert load_object("crate") is before
 
 
@@ -82,14 +83,14 @@ def test_reserved_names_are_refused(name: str, data_home: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (AddOptions(diameter=0.0), r"--scale is 0\.0; allowed: 0\.02 to 0\.5"),
-        (AddOptions(diameter=float("nan")), "--scale is nan"),
-        (AddOptions(mass=-1.0), r"--mass is -1\.0"),
-        (AddOptions(density=float("inf")), "--density is inf"),
-        (AddOptions(mass=0.1, density=1000.0), "both given"),
+        (BuildOptions(diameter=0.0), r"--scale is 0\.0; allowed: 0\.02 to 0\.5"),
+        (BuildOptions(diameter=float("nan")), "--scale is nan"),
+        (BuildOptions(mass=-1.0), r"--mass is -1\.0"),
+        (BuildOptions(density=float("inf")), "--density is inf"),
+        (BuildOptions(mass=0.1, density=1000.0), "both given"),
     ],
 )
-def test_options_out_of_range_are_refused(options: AddOptions, message: str, crate: Path) -> None:
+def test_options_out_of_range_are_refused(options: BuildOptions, message: str, crate: Path) -> None:
     with pytest.raises(UserError, match=message):
         add_object_file(crate, "crate", options)
     assert user_object_names() == []
@@ -114,15 +115,15 @@ def test_removing(crate: Path) -> None:
 
 
 def test_an_object_that_was_replaced_is_read_anew(crate: Path) -> None:
-    add_object_file(crate, "crate", AddOptions(mass=0.2))
+    add_object_file(crate, "crate", BuildOptions(mass=0.2))
     assert make_object("crate").mass == 0.2
     remove_user_object("crate")
-    add_object_file(crate, "crate", AddOptions(mass=0.4))
+    add_object_file(crate, "crate", BuildOptions(mass=0.4))
     assert make_object("crate").mass == 0.4
 
 
 def test_sizes_scale_from_the_objects_own(crate: Path) -> None:
-    add_object_file(crate, "crate", AddOptions(diameter=0.2))
+    add_object_file(crate, "crate", BuildOptions(diameter=0.2))
     model = make_object("crate", 0.5)
     assert model.bounding_radius == pytest.approx(0.05)
     expected = 0.05 * np.array([8.0, 5.0, 4.0]) / np.linalg.norm([4.0, 2.5, 2.0])

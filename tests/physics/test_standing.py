@@ -5,11 +5,12 @@ import pytest
 
 from keypush.checking.object_checks import HARD_TABLE
 from keypush.checking.object_scene import GRAVITY, ObjectScene
-from keypush.checking.tipping import com_beyond_edge, com_height, directions, tipping_inset
+from keypush.checking.tipping import com_beyond_edge, directions
 from keypush.objects.catalogue import catalogue_names
 from keypush.objects.table import THICKNESS
 from keypush.scenario import SimulationConfig
 from tests.physics.exact_shapes import EXACT, any_model, exact_model
+from tests.physics.foundation import com_height, tipping_inset
 
 SHAPES = pytest.mark.parametrize("name", [*EXACT, *catalogue_names()])
 SHIPPED = SimulationConfig()

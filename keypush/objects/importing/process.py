@@ -1,13 +1,9 @@
 """Imports a mesh file in a process of its own, which may hang, crash or run out of memory."""
 
 import multiprocessing
-import os
 import signal
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
-from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
@@ -19,6 +15,7 @@ from keypush.objects.importing.read import check_file
 from keypush.objects.importing.result import ImportedMesh
 from keypush.objects.importing.steps import Draft
 from keypush.objects.importing.worker import Message, Refused, serve
+from keypush.worker_environment import worker_environment
 
 REPAIR_SECONDS = 8.0
 """After this the convex hull has to do."""
@@ -88,7 +85,7 @@ class Importer:
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
         process = context.Process(target=serve, args=(theirs,), daemon=True)
-        with _quiet_start():
+        with worker_environment():
             process.start()
         theirs.close()
         self._process, self._connection = process, ours
@@ -124,28 +121,3 @@ class Importer:
         self._process.join(_STOP_SECONDS)
         status = self._process.exitcode
         return signal.Signals(-status).name if status and status < 0 else f"exit status {status}"
-
-
-@contextmanager
-def _quiet_start() -> Iterator[None]:
-    """What a process started inside inherits: one thread, and SIGINT blocked.
-
-    Blocked before it starts, Ctrl-C cannot reach it even while it imports; the parent,
-    which gets it as well, ends it. One thread, so that the memory limit is not eaten by
-    stacks and sums round in the same order on every machine.
-    """
-    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-    before = {name: os.environ.get(name) for name in names}
-    # Its first start unblocks SIGINT again, so it must not happen inside.
-    resource_tracker.ensure_running()
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    os.environ.update(dict.fromkeys(names, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)

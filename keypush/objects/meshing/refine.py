@@ -60,10 +60,7 @@ class Support:
     def with_reaches(self, surface: Surface, plane: int) -> "Support":
         """Measures how far the COM may be where the plane's faces are infinitely many."""
         R = self.pose.R_WO.matrix()
-        loops = [
-            (np.array([surface.points[v] for v in loop]) @ R.T)[::-1, :2]
-            for loop in outline_loops(surface, plane)
-        ]
+        loops = [_from_above(surface, loop, R) for loop in outline_loops(surface, plane)]
         if not loops:
             return self
         points = grid_points(loops, _GRID)
@@ -142,13 +139,17 @@ def _label_flat_faces(surface: Surface, plane: int, touching: set[int], down: Ar
                 surface.labels[f] = plane
 
 
+def _from_above(surface: Surface, loop: list[int], R: Array) -> Array:
+    """A loop's corners (n, 2) in Wxy in reverse: seen from above faces that face down run so."""
+    return np.asarray((np.array([surface.points[v] for v in loop]) @ R.T)[::-1, :2])
+
+
 def _hull_corners(surface: Surface, plane: int, R: Array, hull: Array) -> dict[int, float]:
     """Vertices of the plane's outlines at corners of their hull, and how far they turn there."""
     corners = cKDTree(hull)
     found: dict[int, float] = {}
     for loop in outline_loops(surface, plane):
-        # Seen from above a plane's faces run clockwise, since they face down.
-        flat = (np.array([surface.points[v] for v in loop]) @ R.T)[::-1, :2]
+        flat = _from_above(surface, loop, R)
         before, after = flat - np.roll(flat, 1, axis=0), np.roll(flat, -1, axis=0) - flat
         cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
         turn = np.arctan2(cross, np.sum(before * after, axis=1))
@@ -187,9 +188,7 @@ def _divide_edges(surface: Surface, plane: int, spacing: float) -> None:
 def _triangulate(
     surface: Surface, loops: list[list[int]], ears: set[int], R: Array, rim: float, coarse: float
 ) -> Cap:
-    flat = [(np.array([surface.points[v] for v in loop]) @ R.T)[:, :2] for loop in loops]
-    # Seen from above a plane's faces run clockwise, since they face down.
-    flat = [loop[::-1] for loop in flat]
+    flat = [_from_above(surface, loop, R) for loop in loops]
     places = []
     for k, loop in enumerate(loops):
         corners = [i for i, v in enumerate(reversed(loop)) if v in ears]

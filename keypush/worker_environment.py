@@ -1,0 +1,32 @@
+"""What child processes inherit: one thread each, and no Ctrl-C."""
+
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing import resource_tracker
+
+
+@contextmanager
+def worker_environment() -> Iterator[None]:
+    """What processes started inside inherit: one thread each, and SIGINT blocked.
+
+    Blocked before they start, Ctrl-C cannot reach workers even while they import; the
+    parent, which gets it as well, ends them. One thread, because sums in another order
+    would round differently, and because the processes fill the cores already.
+    """
+    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+    before = {name: os.environ.get(name) for name in names}
+    # Its first start unblocks SIGINT again, so it must not happen inside.
+    resource_tracker.ensure_running()
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    os.environ.update(dict.fromkeys(names, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
