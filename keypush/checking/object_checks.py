@@ -7,20 +7,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 from pydrake.math import RotationMatrix
-from scipy.spatial import QhullError
 
 from keypush.checking.object_scene import ObjectScene
 from keypush.checking.tipping import com_beyond_edge, directions
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.objects.asset import BOUNDING_RADIUS, ObjectAsset
 from keypush.objects.meshing.distance import hausdorff
-from keypush.objects.meshing.felt import felt_points, support_gap
+from keypush.objects.meshing.felt import MOST_SUPPORT_GAP, pose_support_gap
 from keypush.objects.model import ObjectModel, scaled_model
 from keypush.objects.plant import spatial_inertia
-from keypush.objects.resting import TOUCH_TOLERANCE, RestingPose, support_polygon
+from keypush.objects.resting import RestingPose
 from keypush.planning.contact import finger_contact
 from keypush.planning.plan_state import PushObservation
 from keypush.planning.push_frame import push_direction
@@ -37,8 +35,6 @@ MOST_DRIFT = 0.002
 MOST_TILT = np.deg2rad(1.0)
 MOST_SURFACE_DISTANCE = 1.5e-3
 """Of what touches from what is seen, for an object of 0.1 m."""
-MOST_SUPPORT_GAP = 1e-3
-"""Of the support polygon that contact feels from the true one."""
 HARD_TABLE = 5e9
 """Modulus in Pa of the table on which objects are tipped, so hard that the mesh alone decides: on
 the shipped one they tip up to 2 mm inside (see `keypush.objects.table`)."""
@@ -105,17 +101,9 @@ def _surface(model: ObjectModel) -> Check:
 def _support(model: ObjectModel, poses: Sequence[RestingPose]) -> Check:
     """The worst over all stable poses."""
     seen = model.visual if model.visual.is_watertight else model.mesh
-    gap = max(_support_gap(model, seen, pose) for pose in poses)
+    gap = max(pose_support_gap(model.mesh, seen, pose) for pose in poses)
     text = f"support polygon short of the true one in {len(poses)} stable poses, m"
     return Check(gap < MOST_SUPPORT_GAP, gap, MOST_SUPPORT_GAP, text)
-
-
-def _support_gap(model: ObjectModel, seen: trimesh.Trimesh, pose: RestingPose) -> float:
-    try:
-        true = support_polygon(np.asarray(seen.vertices), pose.R_WO, TOUCH_TOLERANCE)
-    except QhullError:  # it touches in less than three places
-        return float("inf")
-    return support_gap(felt_points(model.mesh, pose.R_WO), true)
 
 
 def _stands(model: ObjectModel) -> Check:

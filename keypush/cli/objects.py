@@ -184,6 +184,8 @@ class Remove:
 def _tell(asset: "ObjectAsset") -> None:
     for note in asset.provenance["notes"]:
         print(f"- {note}")
+    if left_out := asset.provenance["poses_left_out"]:
+        print(f"- resting poses on edges that are hardly felt, left out: {left_out}")
 
 
 Action = (

@@ -14,6 +14,7 @@ from keypush.objects.asset import BOUNDING_RADIUS, ObjectAsset
 from keypush.objects.mass import uniform_density
 from keypush.objects.meshing.collision import collision_mesh
 from keypush.objects.meshing.distance import hausdorff
+from keypush.objects.meshing.felt import MOST_SUPPORT_GAP, pose_support_gap
 from keypush.objects.resting import LEAST_TIPPING_ANGLE, RestingPose, find_resting_poses
 
 Array = NDArray[np.float64]
@@ -70,11 +71,18 @@ def build_asset(
         raise UserError(
             f"object {name!r}: what touches cannot be made closed of it; allowed: a simpler mesh"
         )
+    # What touches differs by a millimetre, which may be too much for a pose on a small edge.
+    felt = [pose_support_gap(collision, solid, pose) < MOST_SUPPORT_GAP for pose in poses]
+    poses = [pose for pose, enough in zip(poses, [True, *felt[1:]], strict=True) if enough]
     mass = options.mass
     if mass is None:
         density = options.density
         mass = DEFAULT_MASS if density is None else density * float(solid.volume)
-    found = {"volume": float(solid.volume), "collision_distance": hausdorff(collision, solid)}
+    found = {
+        "volume": float(solid.volume),
+        "collision_distance": hausdorff(collision, solid),
+        "poses_left_out": len(felt) - len(poses),
+    }
     return ObjectAsset(
         name=name,
         visual=solid,

@@ -9,8 +9,9 @@ from pydrake.math import RollPitchYaw
 
 from keypush.errors import UserError
 from keypush.objects.build import BuildOptions, build_asset
-from keypush.objects.generators.solids import box, lathe
+from keypush.objects.generators.solids import box, lathe, prism
 from keypush.objects.manifolds import to_mesh
+from keypush.objects.meshing.felt import MOST_SUPPORT_GAP, pose_support_gap
 
 CUP = lathe([(0, 0), (30, 0), (30, 60), (26, 60), (26, 4), (0, 4)])
 
@@ -80,3 +81,16 @@ def test_an_axis_on_which_it_cannot_stand_is_refused_with_those_it_can() -> None
     can = trimesh.creation.cylinder(radius=0.03, height=0.08, sections=48)
     with pytest.raises(UserError, match=r"cannot stand with x up; it can with -?z, -?z up"):
         build_asset("can", can, BuildOptions(up="x"), {})
+
+
+def test_poses_on_edges_that_the_walls_above_the_base_take_away_are_left_out() -> None:
+    # On a side it lies on its shoulder and on a lip so low that only upright walls are left of it.
+    profile = [(-30, 0), (30, 0), (32, 1), (28, 3), (28, 38), (32, 40), (-32, 40), (-28, 38),
+               (-28, 3), (-32, 1)]  # fmt: skip
+    mesh = to_mesh(prism(profile, 60))
+    mesh.vertices = mesh.vertices[:, [0, 2, 1]] * [1, -1, 1]
+    asset = build_asset("lipped", mesh, BuildOptions(up="z"), {})
+    assert asset.provenance["poses_left_out"] == 2
+    assert all(abs(pose.down[0]) < 0.5 for pose in asset.poses)
+    for pose in asset.poses:
+        assert pose_support_gap(asset.collision, asset.visual, pose) < MOST_SUPPORT_GAP

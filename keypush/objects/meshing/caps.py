@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from manifold3d import triangulate
 from numpy.typing import NDArray
 from shapely.geometry import Point, Polygon
 
@@ -18,6 +17,8 @@ Face = tuple[int, int, int]
 
 _CONVEX = 1 - 1e-6
 """Share of its hull's area that a convex polygon fills."""
+_OUTSIDE = 1e-6
+"""Share of an ear's area that may lie outside: rounding."""
 _DIGITS = 10
 """Decimals of m to which coordinates are the same point."""
 
@@ -39,6 +40,26 @@ class Cap:
         u, v = b - a, c - a
         return np.asarray(np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / 2)
 
+    def closes(self, loops: Sequence[Sequence[int]]) -> bool:
+        """Whether the faces fill their outline, and nothing else, each edge of it once.
+
+        Args:
+            loops: vertices of the outline in the order of `points`; one may be there twice.
+        """
+        n = len(self.points)
+        names = [v + n for loop in loops for v in loop]
+        names += range(len(names), n)
+        corners = [[names[i] for i in face] for face in self.faces]
+        edges = {edge for a, b, c in corners for edge in ((a, b), (b, c), (c, a))}
+        outline = {
+            (a + n, b + n)
+            for loop in loops
+            for a, b in zip(loop, [*loop[1:], loop[0]], strict=True)
+        }
+        return len(edges) == 3 * len(corners) and outline == {
+            (a, b) for a, b in edges if (b, a) not in edges
+        }
+
 
 def triangulate_cap(
     loops: Sequence[Array], ears: Iterable[tuple[int, int]], rim: float, coarse: float
@@ -47,34 +68,37 @@ def triangulate_cap(
 
     Args:
         loops: (n, 2) polygons, m: anticlockwise around material, clockwise around holes.
-        ears: corners (loop, index) that get a face of their own with their two neighbours.
+        ears: corners (loop, index) that get a face of their own with their two neighbours, if
+            there is room for it.
         rim: width of the rim, m; 0: none.
         coarse: corners of the rim's inside that are within this distance of a line without
             them are left out, m.
+
+    Raises:
+        GEOSException: the outline crosses itself.
     """
     points = np.concatenate(loops)
     starts = np.cumsum([0, *(len(loop) for loop in loops)])
     faces: list[Face] = []
     cut: dict[int, set[int]] = {}
+    region = _region(loops)
     for k, i in ears:
         n, start = len(loops[k]), int(starts[k])
+        ear = Polygon(loops[k][[(i - 1) % n, i, (i + 1) % n]])
+        if ear.difference(region).area > _OUTSIDE * ear.area:
+            continue  # a hole is in its way
         faces.append((start + (i - 1) % n, start + i, start + (i + 1) % n))
         cut.setdefault(k, set()).add(i)
     rest = [np.delete(loop, sorted(cut.get(k, ())), axis=0) for k, loop in enumerate(loops)]
     builder = _Builder(points, faces)
-    try:
-        for polygon in _polygons(rest):
-            builder.fill(polygon, rim, coarse)
-    except shapely.errors.GEOSException:
-        # The outline crosses itself, by a hair or more: any triangulation has to do.
-        plain = np.asarray(triangulate([np.asarray(loop) for loop in loops]))
-        return Cap(points, [(int(a), int(b), int(c)) for a, b, c in plain])
+    for polygon in _polygons(rest):
+        builder.fill(polygon, rim, coarse)
     return Cap(np.array(builder.points), builder.faces)
 
 
 def grid_points(loops: Sequence[Array], spacing: float) -> Array:
     """Returns the middles (n, 2) of the cells of a square grid that lie in what loops enclose."""
-    region = shapely.union_all([shapely.make_valid(polygon) for polygon in _polygons(loops)])
+    region = _region(loops)
     x0, y0, x1, y1 = region.bounds
     x, y = np.meshgrid(
         np.arange(x0 + spacing / 2, x1, spacing), np.arange(y0 + spacing / 2, y1, spacing)
@@ -114,14 +138,14 @@ class _Builder:
             return
         ring = np.array(polygon.exterior.coords)[:-1]
         centre = self._id(np.array(polygon.centroid.coords[0]))
-        corners = [self._id(p) for p in shapely_ccw(ring)]
+        corners = [self._id(p) for p in _anticlockwise(ring)]
         for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
             self._add(a, b, centre)
 
     def _delaunay(self, region: shapely.Geometry) -> None:
         for polygon in _parts(region):
             for corners in _triangles(polygon):
-                a, b, c = (self._id(p) for p in shapely_ccw(corners))
+                a, b, c = (self._id(p) for p in _anticlockwise(corners))
                 self._add(a, b, c)
 
     def _add(self, a: int, b: int, c: int) -> None:
@@ -152,18 +176,11 @@ def _inset(polygon: Polygon, rim: float) -> shapely.Geometry:
 
 def _triangles(polygon: Polygon) -> list[Array]:
     """Triangles (3, 2) that cover a polygon and have its corners alone."""
-    try:
-        found = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
-        return [np.array(triangle.exterior.coords)[:3] for triangle in found]
-    except shapely.errors.GEOSException:
-        # It touches itself; then any triangulation will do.
-        shape = shapely.geometry.polygon.orient(polygon)
-        rings = [np.array(ring.coords)[:-1] for ring in (shape.exterior, *shape.interiors)]
-        points = np.concatenate(rings)
-        return [points[corners] for corners in np.asarray(triangulate(rings))]
+    found = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
+    return [np.array(triangle.exterior.coords)[:3] for triangle in found]
 
 
-def shapely_ccw(ring: Array) -> Array:
+def _anticlockwise(ring: Array) -> Array:
     """Returns a ring (n, 2) in anticlockwise sense."""
     x, y = ring.T
     area = np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
@@ -173,6 +190,10 @@ def shapely_ccw(ring: Array) -> Array:
 def _simplified(part: Polygon, coarse: float) -> Polygon:
     """Leaves out corners of the outside, not of holes, which are the outline's own."""
     return Polygon(Polygon(part.exterior).simplify(coarse).exterior, part.interiors)
+
+
+def _region(loops: Sequence[Array]) -> shapely.Geometry:
+    return shapely.union_all([shapely.make_valid(polygon) for polygon in _polygons(loops)])
 
 
 def _polygons(loops: Sequence[Array]) -> list[Polygon]:

@@ -8,9 +8,14 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 from pydrake.math import RotationMatrix
+from scipy.spatial import QhullError
+
+from keypush.objects.resting import TOUCH_TOLERANCE, RestingPose, support_polygon
 
 Array = NDArray[np.float64]
 
+MOST_SUPPORT_GAP = 1e-3
+"""How far the felt polygon may fall short of the true one in a pose in which an object rests, m."""
 FLAT = 1e-6
 """Vertices within this distance in m of the lowest one lie in the plane."""
 _DIRECTIONS = np.linspace(0.0, 2 * np.pi, 720, endpoint=False)
@@ -47,6 +52,21 @@ def support_gap(felt: Array, polygon: Array) -> float:
     directions = np.column_stack([np.cos(_DIRECTIONS), np.sin(_DIRECTIONS)])
     gap = (polygon @ directions.T).max(axis=0) - (felt @ directions.T).max(axis=0)
     return float(gap.max())
+
+
+def pose_support_gap(mesh: trimesh.Trimesh, seen: trimesh.Trimesh, pose: RestingPose) -> float:
+    """Returns by how much support falls short in a pose, m; infinity where it touches in a line.
+
+    Args:
+        mesh: what touches.
+        seen: what the object is.
+        pose: one in which it rests.
+    """
+    try:
+        true = support_polygon(np.asarray(seen.vertices), pose.R_WO, TOUCH_TOLERANCE)
+    except QhullError:
+        return float("inf")
+    return support_gap(felt_points(mesh, pose.R_WO), true)
 
 
 def tipping_reach(

@@ -1,10 +1,12 @@
 """Divides the faces of a resting plane so that the support polygon is felt where it is."""
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, cKDTree
+from shapely.errors import GEOSException
 
 from keypush.objects.meshing.caps import Cap, grid_points, triangulate_cap
 from keypush.objects.meshing.felt import FLAT, support_gap, tipping_reach
@@ -14,13 +16,13 @@ from keypush.objects.resting import RestingPose
 
 Array = NDArray[np.float64]
 
-SUPPORT_GAPS = (6e-4, 9e-4)
+SUPPORT_GAPS = (8.5e-4, 9e-4)
 """The felt support polygon falls short of the true one by at most this, m: of an upright object,
 which then tips within 1 mm of where it should on a hard table, and in other poses."""
 STIFFNESSES = (5e10, 5e9)
 """Of the tables on which it matters where an upright object tips, Pa/m: one ten times as hard as
 the one that ships, and that one (see `table`)."""
-TIPPING_EXCESS, MEAN_EXCESS = 8e-4, 2e-4
+TIPPING_EXCESS, MEAN_EXCESS = 1e-3, 4.5e-4
 """There it tips at most so much sooner than with infinitely many faces, m: in any direction, and on
 average over all."""
 _WEIGHT = 1.0
@@ -31,17 +33,18 @@ _RIMS = ((0.0, 0.0), (2e-3, 2.5e-3), (1.4e-3, 1e-3), (8e-4, 2.5e-3), (8e-4, 1e-3
          (5e-4, 0.0))  # fmt: skip
 """What is tried: width of a rim, and the distance from a line within which corners of its inside
 are left out, m."""
-_EAR_GAP = 4.5e-4
-"""How far inside its corner the centroid of an ear lies, m."""
 _EAR_SHARE = 0.4
 """Share of an outline's edge that an ear takes at most."""
 _SLIVER = 1e-9
 """Twice the area of a face that is none, m^2."""
-_SHORT, _ROOM = 1e-3, 1.5
-"""Edges that are shorter, m, or not so many times longer than an ear's side are its side whole."""
-_STAGES = ((np.deg2rad(28.0), np.inf), (np.deg2rad(28.0), 0.02), (np.deg2rad(2.0), 0.02))
+_SHORT, _ROOM = 2.2, 1.5
+"""Edges that are not so many times longer than an ear's gap, or than its side, are its side
+whole."""
+_STAGES = ((np.deg2rad(28.0), 4.5e-4, np.inf), (np.deg2rad(28.0), 4.5e-4, 0.02),
+           (np.deg2rad(2.0), 4.5e-4, 0.02), (np.deg2rad(2.0), 2e-4, 0.02))  # fmt: skip
 """What is done to the outline, until the support is felt well enough: corners that turn by more
-get an ear; edges that are longer, m, are divided."""
+get an ear, whose centroid lies so far inside its corner, m; edges that are longer, m, are
+divided."""
 
 
 @dataclass(frozen=True)
@@ -106,17 +109,21 @@ def refine_plane(surface: Surface, plane: int, support: Support) -> None:
     lone = [v for v in touching if plane not in surface.planes_of(v)]
     alone = points[np.array(lone, dtype=np.int64), :2]
     turns = _hull_corners(surface, plane, R, hull)
-    for least, spacing in _STAGES:
+    for least, gap, spacing in _STAGES:
         ears = {v for v, turn in turns.items() if turn > least}
         for v in ears:
-            _make_room(surface, plane, v, turns[v])
+            # The centroid of an isosceles triangle with sides s is 2/3 s sin(turn / 2) from its
+            # top.
+            side = 1.5 * gap / max(np.sin(turns[v] / 2), 1e-3)
+            _make_room(surface, plane, v, side, _SHORT * gap)
         _divide_edges(surface, plane, spacing)
         loops = outline_loops(surface, plane)
-        caps = [_triangulate(surface, loops, ears, R, rim, coarse) for rim, coarse in _RIMS]
-        caps.sort(key=lambda cap: len(cap.faces))
+        caps = _caps(surface, loops, ears, R)
         short = [_shortfall(support, cap, alone) for cap in caps]
-        if min(short) <= 1.0:
+        if min(short, default=np.inf) <= 1.0:
             break
+    if not caps:
+        return  # the outline crosses itself, by a hair: its faces stay as they are
     # Where none will do, the best, or almost as good a one with fewer faces.
     enough = max(1.0, 1.05 * min(short))
     cap = next(cap for cap, value in zip(caps, short, strict=True) if value <= enough)
@@ -158,10 +165,8 @@ def _hull_corners(surface: Surface, plane: int, R: Array, hull: Array) -> dict[i
     return found
 
 
-def _make_room(surface: Surface, plane: int, v: int, turn: float) -> None:
+def _make_room(surface: Surface, plane: int, v: int, side: float, short: float) -> None:
     """Splits the outline's edges at a corner, so that an ear's sides end there."""
-    # The centroid of an isosceles triangle with sides s is 2/3 s sin(turn / 2) from its top.
-    side = 1.5 * _EAR_GAP / max(np.sin(turn / 2), 1e-3)
     for loop in outline_loops(surface, plane):
         if v not in loop:
             continue
@@ -170,7 +175,7 @@ def _make_room(surface: Surface, plane: int, v: int, turn: float) -> None:
             offset = surface.points[w] - surface.points[v]
             length = float(np.linalg.norm(offset))
             here = min(side, _EAR_SHARE * length)
-            if length > _ROOM * here and length > _SHORT:
+            if length > _ROOM * here and length > short:
                 surface.split(v, w, surface.points[v] + offset * (here / length))
 
 
@@ -185,9 +190,8 @@ def _divide_edges(surface: Surface, plane: int, spacing: float) -> None:
                 last = surface.split(last, v, start + (end - start) * (k / count))
 
 
-def _triangulate(
-    surface: Surface, loops: list[list[int]], ears: set[int], R: Array, rim: float, coarse: float
-) -> Cap:
+def _caps(surface: Surface, loops: list[list[int]], ears: set[int], R: Array) -> list[Cap]:
+    """Returns the new faces that can be had, the fewest first."""
     flat = [_from_above(surface, loop, R) for loop in loops]
     places = []
     for k, loop in enumerate(loops):
@@ -198,7 +202,12 @@ def _triangulate(
             if not {(i - 1) % len(loop), (i + 1) % len(loop)} & taken and len(loop) > 3:
                 taken.add(i)
         places += [(k, i) for i in taken]
-    return triangulate_cap(flat, places, rim, coarse)
+    caps = []
+    for rim, coarse in _RIMS:
+        with suppress(GEOSException):
+            caps.append(triangulate_cap(flat, places, rim, coarse))
+    outline = [loop[::-1] for loop in loops]
+    return sorted((cap for cap in caps if cap.closes(outline)), key=lambda cap: len(cap.faces))
 
 
 def _replace(

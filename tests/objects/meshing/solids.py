@@ -1,7 +1,10 @@
 """Closed solids that the tests of meshing share."""
 
+import itertools
+
 import numpy as np
 import trimesh
+from manifold3d import Manifold
 
 from keypush.objects.generators import solids
 from keypush.objects.generators.solids import above_ground, box, ellipsoid, lathe, prism
@@ -32,6 +35,18 @@ def named_solids() -> dict[str, trimesh.Trimesh]:
         "ring": ring,
         "star": prism(STAR, 0.03),
         "stone": stone,
+        "bevelled": bevelled_box((0.07, 0.06, 0.04), 6e-4),
         "soft_box": solids.soft_box((0.07, 0.05, 0.04), 0.004),
     }
     return {name: to_mesh(solid) for name, solid in shapes.items()}
+
+
+def bevelled_box(size: tuple[float, float, float], bevel: float) -> Manifold:
+    """A box whose edges are cut off at 45 degrees."""
+    half = np.array(size) / 2
+    corners = [
+        np.where(np.arange(3) == axis, half, half - bevel) * signs
+        for axis in range(3)
+        for signs in itertools.product((-1, 1), repeat=3)
+    ]
+    return Manifold.hull_points(np.array(corners))

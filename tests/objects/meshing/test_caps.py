@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from shapely.errors import GEOSException
 from shapely.geometry import Polygon
 
 from keypush.objects.meshing.caps import Cap, triangulate_cap
@@ -66,3 +67,41 @@ def test_ears_and_a_rim_are_felt_near_the_corner() -> None:
     eared = triangulate_cap([loop], ears, 0.0, 0.0)
     assert_covers(eared, [loop])
     assert support_gap(eared.centroids(), SQUARE) < 5e-4 < 5e-3 < plain
+
+
+def test_an_ear_that_would_run_into_a_hole_is_left_out() -> None:
+    loop = np.array(
+        [(0.0, 0.0), (0.001, 0.0), (0.05, 0.0), (0.05, 0.05), (0.0, 0.05), (0.0, 0.001)]
+    )
+    hole = np.array([(2e-4, 2e-4), (2e-4, 0.03), (0.03, 2e-4)])
+    cap = triangulate_cap([loop, hole], [(0, 0), (0, 3)], 0.0, 0.0)
+    assert_covers(cap, [loop, hole])
+    assert (5, 0, 1) not in cap.faces
+    assert (2, 3, 4) in cap.faces
+
+
+def test_a_cap_closes_its_own_outline_alone() -> None:
+    loops = [[10, 11, 12, 13], [20, 21, 22, 23]]
+    cap = triangulate_cap([SQUARE, HOLE], [], 0.0, 0.0)
+    assert cap.closes(loops)
+    assert not cap.closes([[10, 11, 12, 13, 20, 21, 22, 23]])
+    assert not Cap(cap.points, cap.faces[1:]).closes(loops)
+    assert not Cap(cap.points, [*cap.faces, cap.faces[0]]).closes(loops)
+    assert not triangulate_cap([SQUARE], [], 0.0, 0.0).closes(loops)
+
+
+def test_a_cap_may_touch_itself_in_a_point() -> None:
+    other = SQUARE + 0.05
+    cap = triangulate_cap([SQUARE, other], [], 0.0, 0.0)
+    # (0.05, 0.05) is a corner of both.
+    assert cap.closes([[1, 2, 3, 4], [3, 5, 6, 7]])
+
+
+@pytest.mark.parametrize("rim", [0.0, 8e-4])
+def test_an_outline_that_crosses_itself_is_told(rim: float) -> None:
+    crossed = SQUARE[[0, 1, 3, 2]] + np.array([[0, 0], [0, 0], [0, 0], [0.01, 0]])
+    try:
+        cap = triangulate_cap([crossed], [], rim, 0.0)
+    except GEOSException:
+        return
+    assert not cap.closes([[0, 1, 2, 3]])

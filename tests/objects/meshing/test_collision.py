@@ -5,8 +5,9 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydrake.math import RotationMatrix
 
-from keypush.objects.generators.solids import box
+from keypush.objects.generators.solids import box, lathe
 from keypush.objects.manifolds import to_mesh
 from keypush.objects.meshing.collision import CLOSE_ENOUGH, collision_mesh
 from keypush.objects.meshing.distance import hausdorff
@@ -65,6 +66,21 @@ def test_the_same_solid_gives_the_same_mesh() -> None:
     first, second = (collision_mesh(solid, poses) for _ in range(2))
     np.testing.assert_array_equal(first.vertices, second.vertices)
     np.testing.assert_array_equal(first.faces, second.faces)
+
+
+def test_what_touches_in_a_line_gets_a_flat_base() -> None:
+    angles = np.linspace(0, 2 * np.pi, 24, endpoint=False) + 0.13
+    tyre = lathe([(0.035 + 0.008 * np.cos(a), 0.008 + 0.008 * np.sin(a)) for a in angles], 48)
+    solid = to_mesh(tyre)
+    solid.apply_translation(-solid.bounds.mean(axis=0))
+    mesh = collision_mesh(solid, find_resting_poses(solid, solid.center_mass))
+    assert mesh.is_watertight
+    assert hausdorff(mesh, solid) < CLOSE_ENOUGH
+    low = mesh.bounds[0, 2]
+    base = np.flatnonzero((mesh.triangles[:, :, 2] < low + FLAT).all(axis=1))
+    assert mesh.area_faces[base].sum() > 1e-4
+    true = support_polygon(np.asarray(solid.vertices), RotationMatrix(), TOUCH_TOLERANCE)
+    assert support_gap(felt_points(mesh, RotationMatrix()), true) < 1e-3
 
 
 def test_many_faces_become_few() -> None:
