@@ -14,11 +14,11 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.objects.model import ObjectModel
 from keypush.objects.plant import add_object
+from keypush.objects.point_cloud import sensed_points
 from keypush.objects.table import add_table
 from keypush.robot.panda import NUM_JOINTS, Panda, add_panda
 from keypush.robot.visuals import add_panda_visuals
 from keypush.scenario import Scenario, SimulationConfig
-from keypush.seeding import make_generator
 from keypush.systems.contact_sensor import ContactSensor
 from keypush.systems.differential_ik_controller import DifferentialIkController
 from keypush.systems.point_cloud_sensor import PointCloudSensor
@@ -107,8 +107,7 @@ def _add_poses(
 def _add_point_cloud_sensor(
     builder: DiagramBuilder, poses: StationPoses, scenario: Scenario, model: ObjectModel
 ) -> PointCloudSensor:
-    generator = make_generator(scenario.seed, 0, f"surface_points:{model.name}")
-    p_OP = model.surface_points(scenario.noise.cloud_points, generator)
+    p_OP = sensed_points(model, scenario.noise.cloud_points, scenario.seed)
     period = scenario.episode.policy_period
     sensor = PointCloudSensor(p_OP, scenario.noise.cloud_deviation, period)
     builder.AddSystem(sensor)

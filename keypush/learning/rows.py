@@ -1,4 +1,4 @@
-"""Rows of expert episodes, read from the Parquet files that `keypush collect` writes."""
+"""Rows of expert episodes, read from a data set."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,26 +7,23 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
+import pyarrow.compute as pc
 from numpy.typing import NDArray
 
+from keypush.dataset.arrays import to_array
+from keypush.dataset.read import DataSet, open_dataset
 from keypush.errors import UserError
 
-KEY_TYPES = {
-    "object": pa.string(),
-    "size_ratio": pa.float64(),
-    "seed": pa.int64(),
-    "episode": pa.int64(),
+COLUMNS = {
+    "stage": "stage",
+    "object_pose": "observation.object_pose",
+    "com": "observation.com",
+    "goal": "observation.goal",
+    "tool_pose": "observation.tool_pose",
+    "contact_point": "contact.measured",
+    "target": "contact.analytic",
 }
-KEY = list(KEY_TYPES)
-WIDTHS = {
-    "object_pose": 7,
-    "com": 3,
-    "goal": 2,
-    "tool_pose": 7,
-    "contact_point": 3,
-    "target": 3,
-}
+"""Attributes of `Rows` and the fields that they come from."""
 
 
 @dataclass(frozen=True)
@@ -37,14 +34,14 @@ class Rows:
         objects: the (catalogue name, size ratio) pairs that occur.
         seeds: the scenario seeds that occur.
         object_index: entry of `objects`, (n,).
-        episode: running number of the episode, (n,).
+        episode: number of the episode in the data set, (n,).
         stage: of the expert, (n,).
         object_pose: X_WO, (n, 7).
         com: p_WOcm, (n, 3).
         goal: xy in W, (n, 2).
         tool_pose: X_WE, (n, 7).
         contact_point: measured contact of tool and object in W, NaN without, (n, 3).
-        target: the expert's p_target in W, (n, 3).
+        target: the p_target in W that the expert chose on seeing the row, NaN in last rows, (n, 3).
     """
 
     objects: Sequence[tuple[str, float]]
@@ -67,72 +64,43 @@ def read_rows(data_dir: Path, *, keep_failures: bool = False) -> Rows:
     """Reads all rows of a data set.
 
     Args:
-        data_dir: folder with `rows/*.parquet` and `episodes/*.parquet`.
+        data_dir: folder of a data set.
         keep_failures: whether to read episodes that failed too.
 
     Raises:
-        UserError: there are no files, a column is missing, or no episode is left.
+        UserError: see `open_dataset`; or no episode is left.
     """
-    table = _read(data_dir / "rows", [*KEY, "step", "stage", *WIDTHS])
-    if not keep_failures:
-        episodes = _read(data_dir / "episodes", [*KEY, "success"])
-        succeeded = episodes.filter(episodes["success"]).select(KEY)
-        # Arrow cannot join tables with columns of lists, so row numbers are joined.
-        numbered = table.select(KEY).append_column("row", pa.array(np.arange(len(table))))
-        kept = numbered.join(succeeded, keys=KEY, join_type="left semi")["row"]
-        table = table.take(kept)
-    if table.num_rows == 0:
-        kind = "rows" if keep_failures else "rows of successful episodes"
-        raise UserError(f"data {data_dir}: found no {kind}; allowed: at least one episode")
-    table = table.sort_by([(name, "ascending") for name in [*KEY, "step"]])
-    return _to_rows(table)
-
-
-def _read(folder: Path, columns: list[str]) -> pa.Table:
-    files = sorted(folder.glob("*.parquet"))
-    if not files:
+    dataset = open_dataset(data_dir)
+    episodes = dataset.episodes
+    kept = episodes if keep_failures else episodes.filter(episodes["success"])
+    if not len(kept):
         raise UserError(
-            f"data folder {folder}: found no *.parquet; allowed: a folder that "
-            "`keypush collect` wrote"
+            f"data {data_dir}: found no successful episode of {len(episodes)}; "
+            "allowed: at least one"
         )
-    tables = []
-    for file in files:
-        try:
-            missing = set(columns) - set(pq.read_schema(file).names)
-            if missing:
-                raise UserError(f"{file}: columns missing: {', '.join(sorted(missing))}")
-            table = pq.read_table(file, columns=columns)
-            # Rows and episodes may store their keys with different widths.
-            types = [pa.field(f.name, KEY_TYPES.get(f.name, f.type)) for f in table.schema]
-            tables.append(table.cast(pa.schema(types)))
-        except (OSError, pa.ArrowException) as error:
-            raise UserError(f"{file}: cannot be read: {' '.join(str(error).split())}") from error
-    return pa.concat_tables(tables, promote_options="permissive")
-
-
-def _to_rows(table: pa.Table) -> Rows:
-    names = np.asarray(table["object"].to_pylist())
-    ratios = table["size_ratio"].to_numpy()
-    key = [names, ratios, table["seed"].to_numpy(), table["episode"].to_numpy()]
-    changed = np.zeros(len(names), dtype=bool)
-    for column in key:
-        changed[1:] |= column[1:] != column[:-1]
-    pairs = list(zip(names.tolist(), ratios.tolist(), strict=True))
+    pairs = list(zip(kept["object"].to_pylist(), kept["size_ratio"].to_pylist(), strict=True))
     objects = sorted(set(pairs))
     position = {pair: i for i, pair in enumerate(objects)}
+    columns = _read_columns(dataset, kept["episode_index"])
+    numbers = to_array(kept["episode_index"])
+    of_episode = np.array([position[pair] for pair in pairs])
+    episode = columns.pop("episode")
     return Rows(
         objects=objects,
-        seeds=np.unique(key[2]).tolist(),
-        object_index=np.array([position[pair] for pair in pairs]),
-        episode=changed.cumsum(),
-        stage=table["stage"].to_numpy().astype(np.int64),
-        **{name: _matrix(table[name], name, width) for name, width in WIDTHS.items()},
+        seeds=sorted(set(kept["seed"].to_pylist())),
+        object_index=of_episode[np.searchsorted(numbers, episode)],
+        episode=episode,
+        **columns,
     )
 
 
-def _matrix(column: pa.ChunkedArray, name: str, width: int) -> Any:
-    """A column of lists of `width` numbers as an array (n, width)."""
-    flat = column.combine_chunks().flatten().to_numpy(zero_copy_only=False)
-    if len(flat) != width * len(column):
-        raise UserError(f"column {name}: allowed: {width} numbers in every row")
-    return flat.reshape(-1, width).astype(np.float64)
+def _read_columns(dataset: DataSet, numbers: pa.ChunkedArray) -> dict[str, NDArray[Any]]:
+    """Reads the rows of some episodes, a part at a time, so that the others take no memory."""
+    wanted = {"episode": "episode_index", **COLUMNS}
+    parts: dict[str, list[NDArray[Any]]] = {name: [] for name in wanted}
+    for table in dataset.batches(list(wanted.values())):
+        mine = table.filter(pc.is_in(table["episode_index"], value_set=numbers))
+        for name, field in wanted.items():
+            values = to_array(mine[field])
+            parts[name].append(values.astype(np.float64) if values.dtype.kind == "f" else values)
+    return {name: np.concatenate(part) for name, part in parts.items()}

@@ -12,9 +12,9 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from keypush.dataset.poses import rotations
 from keypush.learning.clouds import CloudBank
 from keypush.learning.goal_frame import LENGTH, GoalFrames
-from keypush.learning.labels import rotations
 from keypush.learning.network import NetworkInput
 from keypush.learning.rows import Rows
 

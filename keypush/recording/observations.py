@@ -8,13 +8,9 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.common.eigen_geometry import Quaternion
 from pydrake.geometry import Cylinder, Meshcat, MeshcatAnimation, MeshcatCone, Rgba, Shape, Sphere
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.perception import PointCloud
-
-from keypush.systems.episode_seed import set_episode_seed
-from keypush.systems.point_cloud_sensor import PointCloudSensor
 
 Array = NDArray[np.float64]
 
@@ -30,35 +26,8 @@ _MOST_CLOUDS = 300
 """With 512 points each they add 2.5 MB to the page."""
 
 
-def measured_clouds(
-    sensor: PointCloudSensor, times: Array, object_poses: Array, seed: int, episode: int
-) -> list[Array]:
-    """Measures again what the sensor measured: its noise is a function of seed and step.
-
-    Args:
-        sensor: the station's.
-        times: (n,) times of the policy steps, s.
-        object_poses: (n, 7) X_WO as quaternion w, x, y, z and position in m.
-        seed: the scenario's.
-        episode: number of the episode.
-
-    Returns:
-        For every step the cloud p_WP, (N, 3), in m.
-    """
-    context = sensor.CreateDefaultContext()
-    set_episode_seed(context, seed, episode)
-    port = sensor.GetInputPort("object_pose")
-    clouds = []
-    for time, pose in zip(times, object_poses, strict=True):
-        context.SetTime(time)
-        port.FixValue(context, RigidTransform(Quaternion(pose[:4]), pose[4:]))
-        cloud = sensor.GetOutputPort("point_cloud").Eval(context)
-        clouds.append(np.asarray(cloud).reshape(-1, 3))
-    return clouds
-
-
-def animate_clouds(meshcat: Meshcat, animation: MeshcatAnimation, clouds: list[Array]) -> None:
-    """Shows cloud k from frame k on; few enough of them that the page stays small."""
+def animate_clouds(meshcat: Meshcat, animation: MeshcatAnimation, clouds: Array) -> None:
+    """Shows cloud k of (n, N, 3) from frame k on; few enough of them that the page stays small."""
     stride = math.ceil(len(clouds) / _MOST_CLOUDS)
     for first in range(0, len(clouds), stride):
         path = f"/point_cloud/{first:05d}"

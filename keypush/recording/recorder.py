@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.geometry import Meshcat, MeshcatParams
 
+from keypush.dataset.clouds import episode_clouds
 from keypush.recording.narration import Narration, narrate
 from keypush.recording.observations import (
     CLOUD_COLOUR,
     KEYPOINT_COLOUR,
     animate_clouds,
     animate_keypoint,
-    measured_clouds,
 )
 from keypush.recording.page import dress_page
 from keypush.recording.scenery import GOAL_COLOUR, add_scenery
@@ -67,7 +67,7 @@ def _record(scenario: Scenario, episode: int) -> Recording:
     visualizer.StartRecording(set_transforms_while_recording=False)
     result = runner.run(episode)
     visualizer.StopRecording()
-    _add_observations(meshcat, runner, result, episode)
+    _add_observations(meshcat, runner, result)
     narration = narrate(scenario, result)
     meshcat.PublishRecording()
     story = [narration.policy, narration.outcome]
@@ -75,20 +75,12 @@ def _record(scenario: Scenario, episode: int) -> Recording:
     return Recording(result, narration, html)
 
 
-def _add_observations(
-    meshcat: Meshcat, runner: EpisodeRunner, result: EpisodeResult, episode: int
-) -> None:
+def _add_observations(meshcat: Meshcat, runner: EpisodeRunner, result: EpisodeResult) -> None:
     scenario, rows = runner.scenario, result.rows
     goal = np.asarray(rows["goal"][0], dtype=float)
     poses = np.asarray(rows["object_pose"], dtype=float)
     add_scenery(meshcat, scenario, poses[0, 4:6], goal)
-    clouds = measured_clouds(
-        runner.push.station.point_cloud_sensor,
-        np.asarray(rows["time"], dtype=float),
-        poses,
-        scenario.seed,
-        episode,
-    )
+    clouds = episode_clouds(scenario.noise, result.summary, poses)
     animation = meshcat.get_mutable_recording()
     animate_clouds(meshcat, animation, clouds)
     # A row is logged before the planner acts on it: its keypoint stands in the next row.

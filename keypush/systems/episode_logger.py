@@ -1,12 +1,12 @@
 """EpisodeLogger: one row per policy step, in the order of the data set's columns."""
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from keypush.eval_ports import eval_abstract, eval_vector
+from keypush.objects.point_cloud import pose_to_vector
 
 ROW_COLUMNS: dict[str, int] = {
     "stage": 1,
@@ -97,9 +97,3 @@ class EpisodeLogger(LeafSystem):
                 ]
             )
         )
-
-
-def pose_to_vector(X: RigidTransform) -> NDArray[np.float64]:
-    """Returns quaternion w, x, y, z (w >= 0) and position of a pose, shape (7,)."""
-    wxyz = X.rotation().ToQuaternion().wxyz()
-    return np.concatenate([wxyz if wxyz[0] >= 0 else -wxyz, X.translation()])

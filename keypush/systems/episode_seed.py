@@ -22,10 +22,15 @@ def set_episode_seed(context: Context, seed: int, episode: int) -> None:
     )
 
 
+def episode_of(context: Context) -> tuple[int, int]:
+    """Returns seed and episode of a system's context."""
+    seed, episode = context.get_numeric_parameter(SEED_PARAMETER).value()
+    return int(seed), int(episode)
+
+
 def episode_generator(context: Context, purpose: str, step: int) -> np.random.Generator:
     """Makes the generator of one purpose and policy step in the context's episode."""
-    seed, episode = context.get_numeric_parameter(SEED_PARAMETER).value()
-    return make_generator(int(seed), int(episode), purpose, step)
+    return make_generator(*episode_of(context), purpose, step)
 
 
 def policy_step(context: Context, period: float) -> int:

@@ -7,7 +7,8 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from keypush.eval_ports import eval_abstract
-from keypush.systems.episode_seed import declare_episode_seed, episode_generator, policy_step
+from keypush.objects.point_cloud import measured_cloud, pose_to_vector
+from keypush.systems.episode_seed import declare_episode_seed, episode_of, policy_step
 
 
 class PointCloudSensor(LeafSystem):
@@ -28,7 +29,7 @@ class PointCloudSensor(LeafSystem):
     is redrawn each policy step and constant in W within a step, however the object turns.
 
     The noise is a function of seed, episode and policy step alone (parameter
-    [seed, episode]); the system has no state.
+    [seed, episode]); the system has no state. So `measured_cloud` gives the same cloud again.
     """
 
     def __init__(self, p_OP: NDArray[np.float64], deviation: float, policy_period: float) -> None:
@@ -45,8 +46,7 @@ class PointCloudSensor(LeafSystem):
     def _calc_point_cloud(self, context: Context, output: BasicVector) -> None:
         X_WO: RigidTransform = eval_abstract(self._pose, context)
         step = policy_step(context, self._period)
-        noise = episode_generator(context, "point_cloud", step).normal(
-            scale=self._deviation, size=self._p_OP_O.shape
+        p_WP = measured_cloud(
+            self._p_OP_O, pose_to_vector(X_WO), self._deviation, *episode_of(context), step
         )
-        p_WP = self._p_OP_O @ X_WO.rotation().matrix().T + X_WO.translation() + noise
         output.SetFromVector(p_WP.ravel())

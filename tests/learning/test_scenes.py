@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import torch
 
+from keypush.dataset.poses import rotations
 from keypush.learning.clouds import CloudBank, draw_clouds, surface_samplers
 from keypush.learning.config import TrainingConfig
-from keypush.learning.labels import make_labels, rotations
+from keypush.learning.labels import make_labels
 from keypush.learning.rows import Rows, read_rows
 from keypush.learning.scenes import SceneBatch, augment, scene_table, to_network, with_clouds
 from tests.learning.scenes import SMALL

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
 
+from keypush.dataset.clouds import episode_clouds
 from keypush.recording import recorder
-from keypush.recording.observations import measured_clouds
 from keypush.recording.recorder import Recording, record_episode
 from keypush.rollout.episode import EpisodeResult, EpisodeRunner
 from keypush.scenario import Scenario, parse_scenario
@@ -77,9 +77,8 @@ def test_an_object_of_another_size_is_recorded_in_the_diagram_that_runs(
 
 def test_clouds_on_the_page_are_those_that_the_policy_saw() -> None:
     runner, result = unrecorded()
-    rows = {name: np.asarray(result.rows[name], dtype=float) for name in ("time", "object_pose")}
-    sensor = runner.push.station.point_cloud_sensor
-    clouds = measured_clouds(sensor, rows["time"], rows["object_pose"], 4, EPISODE)
+    poses = np.asarray(result.rows["object_pose"], dtype=float)
+    clouds = episode_clouds(runner.scenario.noise, result.summary, poses)
     centroids = np.mean(clouds, axis=1)
     # The keypoint is the centroid of this step's or, as a predictor may take a step, of the
     # last step's cloud; the next row holds it.

@@ -10,7 +10,8 @@ from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
-from keypush.systems.episode_logger import ROW_COLUMNS, ROW_SIZE, EpisodeLogger, pose_to_vector
+from keypush.objects.point_cloud import pose_to_vector
+from keypush.systems.episode_logger import ROW_COLUMNS, ROW_SIZE, EpisodeLogger
 from tests.systems.contract import assert_pure, evaluate, ports
 
 VECTORS = {

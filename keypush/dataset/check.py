@@ -1,0 +1,226 @@
+"""Whether a data set is whole and true to itself: every check tells what it found."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import yaml
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from keypush.dataset.arrays import to_array
+from keypush.dataset.features import CLOUD
+from keypush.dataset.keypoint import keypoints
+from keypush.dataset.poses import rotations
+from keypush.dataset.read import DataSet
+from keypush.objects.library import make_object
+
+Array = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+LONGEST_TIME_ERROR = 1e-5
+"""s; a frame's time is a float32."""
+QUATERNION_ERROR = 1e-6
+MOST_LABEL_DISTANCE = 0.02
+"""Of a keypoint from the object's surface, m: several contacts have their centroid between them."""
+LABEL_ERROR = 1e-6
+"""Of a stored keypoint from the one that contacts and poses give, m."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One property of a data set."""
+
+    ok: bool
+    found: str
+    allowed: str
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Consecutive frames, and what the table of episodes says of them."""
+
+    columns: dict[str, NDArray[Any]]
+    index: Whole
+    """Number of each frame in the data set."""
+    episode: Whole
+    """Row of each frame's episode in the table of episodes."""
+    first: Whole
+    """Number of the first frame of each frame's episode."""
+    last: Whole
+    """Of the last one."""
+
+
+def check_dataset(dataset: DataSet) -> dict[str, Check]:
+    """Reads every frame once and returns all checks by name.
+
+    Raises:
+        UserError: a file is damaged, or an object is not there any more.
+    """
+    checks = {
+        "episodes": _every_episode_once(dataset),
+        "lengths": _lengths(dataset.episodes, dataset.frames),
+    }
+    if not checks["lengths"].ok:
+        return checks
+    worst = dict.fromkeys(_MEASURES, 0.0)
+    for part in _parts(dataset):
+        for name, (measure, _, _) in _MEASURES.items():
+            worst[name] = max(worst[name], measure(dataset, part))
+    for name, (_, limit, allowed) in _MEASURES.items():
+        checks[name] = Check(worst[name] <= limit, f"{worst[name]:.4g}", allowed)
+    return checks
+
+
+def _every_episode_once(dataset: DataSet) -> Check:
+    job = yaml.safe_load(dataset.paths["job"].read_text(encoding="utf-8"))
+    expected = [(name, i) for name in job["objects"] for i in range(job["episodes"])]
+    table = dataset.episodes
+    found = list(zip(table["object"].to_pylist(), table["episode"].to_pylist(), strict=True))
+    numbered = table["episode_index"].to_pylist() == list(range(len(table)))
+    return Check(
+        found == expected and numbered,
+        f"{len(found)} episodes, {len(set(found) & set(expected))} of the job's",
+        f"the {len(expected)} of meta/job.yaml, each once, in its order",
+    )
+
+
+def _lengths(episodes: pa.Table, frames: int) -> Check:
+    first, end = (to_array(episodes[f"dataset_{name}_index"]) for name in ("from", "to"))
+    bounds = np.concatenate([[0], end])
+    ok = (
+        bool((first == bounds[:-1]).all())
+        and bool((end - first == to_array(episodes["length"])).all())
+        and bool((end > first).all())
+        and int(bounds[-1]) == frames
+    )
+    return Check(
+        ok,
+        f"{int((end - first).sum())} frames in {len(episodes)} episodes",
+        f"episodes one after the other, {frames} frames",
+    )
+
+
+def _parts(dataset: DataSet) -> Iterator[_Part]:
+    first, end = (to_array(dataset.episodes[f"dataset_{name}_index"]) for name in ("from", "to"))
+    names = [feature.name for feature in dataset.features]
+    begin = 0
+    for table in dataset.batches(names):
+        index = np.arange(begin, begin + len(table))
+        episode = np.searchsorted(end, index, side="right")
+        columns = {name: to_array(table[name]) for name in names}
+        yield _Part(columns, index, episode, first[episode], end[episode] - 1)
+        begin += len(table)
+
+
+def _misnumbered(dataset: DataSet, part: _Part) -> float:
+    numbers = to_array(dataset.episodes["episode_index"])[part.episode]
+    found = part.columns
+    wrong = (
+        (found["index"] != part.index)
+        | (found["episode_index"] != numbers)
+        | (found["frame_index"] != part.index - part.first)
+    )
+    return float(wrong.sum())
+
+
+def _time_error(dataset: DataSet, part: _Part) -> float:
+    expected = (part.index - part.first) / dataset.fps
+    return _largest(np.abs(part.columns["timestamp"].astype(np.float64) - expected))
+
+
+def _wrong_ends(dataset: DataSet, part: _Part) -> float:
+    last = part.index == part.last
+    success = to_array(dataset.episodes["success"])[part.episode]
+    found = part.columns
+    wrong = (found["next.done"] != last) | (found["next.success"] != (last & success))
+    return float(wrong.sum())
+
+
+def _not_finite(dataset: DataSet, part: _Part) -> float:
+    count = 0
+    for feature in dataset.features:
+        values = part.columns[feature.name]
+        if values.dtype.kind == "f":
+            bad = np.isinf(values) if feature.may_be_nan else ~np.isfinite(values)
+            count += int(bad.sum())
+    return float(count)
+
+
+def _quaternion_error(dataset: DataSet, part: _Part) -> float:  # noqa: ARG001  # one signature
+    errors = [
+        np.abs(np.linalg.norm(part.columns[name][:, :4].astype(np.float64), axis=1) - 1)
+        for name in ("observation.object_pose", "observation.tool_pose")
+    ]
+    return _largest(np.concatenate(errors))
+
+
+def _label_error(dataset: DataSet, part: _Part) -> float:  # noqa: ARG001  # one signature
+    found = part.columns
+    expected = keypoints(
+        found["stage"], found["observation.object_pose"], found["contact.measured"], part.episode
+    )
+    stored = found["keypoint"].astype(np.float64)
+    if (np.isnan(stored) != np.isnan(expected)).any():
+        return np.inf
+    return _largest(np.abs(stored - expected))
+
+
+def _label_distance(dataset: DataSet, part: _Part) -> float:
+    """How far keypoints are from their object's surface, m."""
+    labelled = np.isfinite(part.columns["keypoint"]).all(axis=1)
+    pose = part.columns["observation.object_pose"][labelled].astype(np.float64)
+    offset = part.columns["keypoint"][labelled].astype(np.float64) - pose[:, 4:]
+    p_OK = np.einsum("nji,nj->ni", rotations(pose), offset) if len(pose) else offset
+    episode = part.episode[labelled]
+    names = np.asarray(dataset.episodes["object"].to_pylist())[episode]
+    ratios = to_array(dataset.episodes["size_ratio"])[episode]
+    farthest = 0.0
+    for name in np.unique(names):
+        mine = names == name
+        tree = KDTree(make_object(str(name)).p_OP)
+        distance, _ = tree.query(p_OK[mine] / ratios[mine, None])
+        farthest = max(farthest, _largest(distance * ratios[mine]))
+    return farthest
+
+
+def _cloud_distance(dataset: DataSet, part: _Part) -> float:
+    """How far the middles of clouds are from their object's origin, in its own bounding radii."""
+    if CLOUD not in part.columns:
+        return 0.0
+    middle = part.columns[CLOUD].astype(np.float64).mean(axis=1)
+    apart = np.linalg.norm(middle - part.columns["observation.object_pose"][:, 4:], axis=1)
+    names = dataset.episodes["object"].to_pylist()
+    ratios = to_array(dataset.episodes["size_ratio"])
+    radius = np.array(
+        [make_object(names[i]).bounding_radius * ratios[i] for i in np.unique(part.episode)]
+    )
+    return _largest(apart / radius[np.unique(part.episode, return_inverse=True)[1]])
+
+
+def _largest(values: Array) -> float:
+    """The largest that is a number; 0 of none."""
+    return float(np.nanmax(values, initial=0.0))
+
+
+_Measure = Callable[[DataSet, _Part], float]
+_MEASURES: dict[str, tuple[_Measure, float, str]] = {
+    "numbering": (_misnumbered, 0.0, "0 frames whose index, episode or step is wrong"),
+    "times": (
+        _time_error, LONGEST_TIME_ERROR, f"at most {LONGEST_TIME_ERROR:g} s off the step's time"
+    ),
+    "ends": (_wrong_ends, 0.0, "0 frames whose next.done or next.success is wrong"),
+    "finite": (_not_finite, 0.0, "0 numbers that are not finite where they must be"),
+    "quaternions": (_quaternion_error, QUATERNION_ERROR, f"norm 1 up to {QUATERNION_ERROR:g}"),
+    "labels": (
+        _label_error, LABEL_ERROR, f"at most {LABEL_ERROR:g} m off what contacts and poses give"
+    ),
+    "label_distance": (
+        _label_distance, MOST_LABEL_DISTANCE,
+        f"keypoints at most {MOST_LABEL_DISTANCE:g} m from the object's surface",
+    ),
+    "clouds": (_cloud_distance, 1.0, "clouds about the object, in its bounding radii"),
+}  # fmt: skip
+"""Of each check: what is measured, the limit, and what is allowed in words."""
