@@ -6,6 +6,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
 
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+"""Environment variables that keep libraries of numbers to one thread."""
+
 
 @contextmanager
 def worker_environment() -> Iterator[None]:
@@ -15,12 +18,11 @@ def worker_environment() -> Iterator[None]:
     parent, which gets it as well, ends them. One thread, because sums in another order
     would round differently, and because the processes fill the cores already.
     """
-    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-    before = {name: os.environ.get(name) for name in names}
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
     # Its first start unblocks SIGINT again, so it must not happen inside.
     resource_tracker.ensure_running()
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    os.environ.update(dict.fromkeys(names, "1"))
+    os.environ.update(ONE_THREAD)
     try:
         yield
     finally:

@@ -1,34 +1,47 @@
-"""`keypush collect`: expert episodes as Parquet rows."""
+"""`keypush collect`: a data set of expert episodes."""
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
 from keypush.cli.options import OBJECTS, ScenarioOptions, resolve_scenario
-from keypush.cli.parallel_options import ParallelOptions, run_episodes
+from keypush.cli.output import prepare_output_dir
+from keypush.cli.parallel_options import ParallelOptions, make_job
 
 
 @dataclass(kw_only=True)
 class Collect(ScenarioOptions, ParallelOptions):
-    """Run the expert and store one row per policy step, as Parquet.
+    """Run the expert and make a data set of its episodes.
 
-    OUT/rows has the rows, OUT/episodes one line per episode, OUT/scenario.yaml the scenario.
+    While it runs, finished blocks of episodes lie in OUT/collecting; after a stop the same
+    command goes on from them. In the end OUT/data and OUT/meta are the data set.
     """
 
+    expert: Literal["tuned", "thesis"] = "tuned"
+    """Settings of the expert."""
     objects: Annotated[str, tyro.conf.arg(metavar=OBJECTS)] = "train"
     """Objects to push."""
-    episodes: int = 100
-    """Episodes per object."""
+    episodes_per_object: int = 100
+    """Episodes of each object."""
 
     def run(self) -> None:
         """Runs the verb."""
-        scenario = resolve_scenario(self, policy="expert")
-        store = run_episodes(scenario, self)
-        summaries = store.read_summaries()
+        from keypush.planning.presets import expert_scenario
+        from keypush.rollout.collection import collect_dataset
+
+        scenario = expert_scenario(resolve_scenario(self, policy="expert"), self.expert)
+        job = make_job(
+            scenario, self, option="episodes-per-object", episodes=self.episodes_per_object
+        )
+        out = prepare_output_dir(self.out)
+        summaries = collect_dataset(job, out, workers=self.workers, engine=self.engine)
+        if summaries is None:
+            print(f"{out} is complete: {job.total} episodes; nothing to do")
+            return
         successes = sum(bool(summary["success"]) for summary in summaries)
         steps = sum(int(summary["steps"]) for summary in summaries)
         print(
-            f"{len(summaries)} episodes, {steps} rows in {self.out}; "
+            f"{len(summaries)} episodes, {steps} steps in {out}; "
             f"the expert succeeded in {successes / len(summaries):.1%}"
         )

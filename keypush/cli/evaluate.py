@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from keypush.cli.options import OBJECTS, Policy, ScenarioOptions, resolve_scenario
-from keypush.cli.parallel_options import ParallelOptions, run_episodes
+from keypush.cli.output import prepare_output_dir
+from keypush.cli.parallel_options import ParallelOptions, make_job
 
 if TYPE_CHECKING:
     from keypush.evaluation.summary import Summary
@@ -36,9 +37,13 @@ class Evaluate(ScenarioOptions, ParallelOptions):
 
         from keypush.evaluation.summary import summarise
         from keypush.evaluation.table import summary_table
+        from keypush.rollout.parallel import run_job
 
         scenario = resolve_scenario(self, policy=self.policy, predictor__weights=self.weights)
-        summary = summarise(run_episodes(scenario, self).read_summaries())
+        job = make_job(scenario, self, option="episodes", episodes=self.episodes)
+        out = prepare_output_dir(self.out)
+        store = run_job(job, out, workers=self.workers, engine=self.engine)
+        summary = summarise(store.read_summaries())
         path = self.out / "summary.json"
         path.write_text(_report(scenario, summary), encoding="utf-8")
         Console().print(summary_table(summary, f"{scenario.policy}, seed {scenario.seed}"))

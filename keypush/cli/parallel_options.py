@@ -1,25 +1,23 @@
-"""What `collect` and `evaluate` share: many episodes of many objects, over processes."""
+"""What `collect` and `evaluate` share: many episodes of many objects, on many workers."""
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import tyro
 
 from keypush import __version__
 from keypush.cli.options import OBJECTS
-from keypush.cli.output import prepare_output_dir
 from keypush.errors import UserError
 
 if TYPE_CHECKING:
-    from keypush.rollout.store import EpisodeStore
+    from keypush.rollout.job import Job
     from keypush.scenario import Scenario
 
 
 @dataclass(kw_only=True)
 class ParallelOptions:
-    """Which episodes to run, where to, and over how many processes."""
+    """Of which objects, where to, and how many at once."""
 
     after_interrupt: ClassVar[str] = "finished blocks are kept; the same command goes on from them"
 
@@ -27,33 +25,38 @@ class ParallelOptions:
     """Folder for the results; a stopped run goes on in it."""
     objects: Annotated[str, tyro.conf.arg(metavar=OBJECTS)]
     """Objects to push."""
-    episodes: int
-    """Episodes per object."""
-    processes: int | None = None
-    """Processes that run at once; by default one per core. Results do not depend on it."""
+    workers: int | None = None
+    """Episodes that run at once; by default one per core. Results do not depend on it."""
+    engine: Literal["local", "ray"] = "local"
+    """Where they run: processes of this machine, or a Ray cluster (needs keypush[ray])."""
 
 
-def run_episodes(scenario: "Scenario", options: ParallelOptions) -> "EpisodeStore":
-    """Checks the options and runs or resumes the job that they ask for.
+def make_job(
+    scenario: "Scenario", options: ParallelOptions, *, option: str, episodes: int
+) -> "Job":
+    """Checks the options and makes the job that they ask for.
+
+    Args:
+        scenario: what every episode shares.
+        options: the shared options.
+        option: name of the option that gave `episodes`.
+        episodes: per object.
 
     Raises:
-        UserError: an option is out of range, or see `run_job`.
+        UserError: an option is out of range, an object or weights are not there.
     """
     from keypush.objects.library import parse_object_list
     from keypush.rollout.job import Job
-    from keypush.rollout.parallel import run_job
 
-    processes = len(os.sched_getaffinity(0)) if options.processes is None else options.processes
-    for name, value in (("episodes", options.episodes), ("processes", processes)):
-        if value < 1:
+    for name, value in ((option, episodes), ("workers", options.workers)):
+        if value is not None and value < 1:
             raise UserError(f"--{name} is {value}; allowed: 1 or more")
-    job = Job(
+    return Job(
         scenario=scenario,
         objects=tuple(parse_object_list(options.objects)),
-        episodes=options.episodes,
+        episodes=episodes,
         provenance={"keypush": __version__, **_weights_digest(scenario)},
     )
-    return run_job(job, prepare_output_dir(options.out), processes=processes)
 
 
 def _weights_digest(scenario: "Scenario") -> dict[str, str]:

@@ -22,6 +22,10 @@ class Block:
         """File name without its ending."""
         return f"{self.object}-{self.first:06d}"
 
+    def __str__(self) -> str:
+        last = self.first + self.count - 1
+        return f"block {self.name} (episodes {self.first} to {last} of {self.object})"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Job:
@@ -50,3 +54,15 @@ class Job:
     def describe(self) -> dict[str, object]:
         """Returns what, with the scenario, must agree for a run to be resumed."""
         return {"objects": list(self.objects), "episodes": self.episodes, **self.provenance}
+
+
+def take_block(pending: list[Block], built: str) -> Block:
+    """Takes a block of the object whose diagram is built, or else of that with most left.
+
+    Args:
+        pending: at least one block; the one that is taken leaves the list.
+        built: name of an object, "" for none.
+    """
+    names = [block.object for block in pending]
+    name = built if built in names else max(names, key=names.count)
+    return pending.pop(names.index(name))

@@ -1,4 +1,4 @@
-"""Arrays and summaries as Parquet files, each written whole or not at all."""
+"""Arrays and summaries as Parquet files, and files written whole or not at all."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -32,11 +32,31 @@ def table_from_summaries(summaries: Sequence[Mapping[str, object]]) -> pa.Table:
     return pa.Table.from_pylist([dict(summary) for summary in summaries])
 
 
-def write_atomically(table: pa.Table, path: Path) -> None:
-    """Writes a table beside `path` and renames it; the same table gives the same bytes."""
+def parquet_bytes(table: pa.Table) -> bytes:
+    """Returns a Parquet file with checksums; the same table gives the same bytes."""
+    sink = pa.BufferOutputStream()
+    pq.write_table(table, sink, compression="zstd", write_page_checksum=True)
+    return bytes(sink.getvalue().to_pybytes())
+
+
+def write_atomically(content: bytes, path: Path) -> None:
+    """Writes a file beside `path` and renames it.
+
+    Under its name a file is whole, also after a loss of power.
+
+    Raises:
+        OSError: the file cannot be written; nothing is left of it.
+    """
     partial = path.with_name(f".{path.name}.{os.getpid()}{TEMPORARY_SUFFIX}")
-    pq.write_table(table, partial, compression="zstd")
-    partial.replace(path)
+    try:
+        with partial.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        partial.replace(path)
+    except OSError:
+        partial.unlink(missing_ok=True)
+        raise
 
 
 def _column(parts: list[NDArray[np.generic]]) -> pa.Array:

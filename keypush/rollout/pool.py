@@ -1,17 +1,19 @@
 """Long-lived worker processes that Ctrl-C, a crash or the end of the parent cannot orphan."""
 
 import multiprocessing
+import os
+import signal
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
-from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from keypush.errors import UserError
-from keypush.rollout.job import Block
-from keypush.rollout.worker import Failed, MakeRunner, Message, work
+from keypush.rollout.engine import Event, Lost, raise_failure
+from keypush.rollout.job import Block, take_block
+from keypush.rollout.worker import EpisodeDone, Failed, MakeRunner, Message, work
 from keypush.scenario import Scenario
 from keypush.worker_environment import worker_environment
 
@@ -19,7 +21,7 @@ _STOP_SECONDS = 5.0
 
 
 @dataclass
-class Worker:
+class _Worker:
     """A process and what it does."""
 
     process: SpawnProcess
@@ -30,32 +32,41 @@ class Worker:
     """The object whose diagram it holds."""
 
     def start(self, block: Block) -> None:
-        """Hands it a block."""
+        """Hands it a block; if it is dead, that shows when its message is awaited."""
         self.block, self.object = block, block.object
-        self.connection.send(block)
+        with suppress(BrokenPipeError, ConnectionResetError):
+            self.connection.send(block)
+
+    def receive(self) -> Message | Lost:
+        """Waits for a message, which may be that its process is dead."""
+        try:
+            message: Message = self.connection.recv()
+        except (EOFError, OSError):  # OSError: it died in the midst of a message.
+            self.process.join(_STOP_SECONDS)
+            return Lost(_how_it_ended(self.process.exitcode))
+        return message
+
+    def end(self) -> None:
+        """Ends the process, gently first."""
+        self.process.terminate()
+        self.process.join(_STOP_SECONDS)
+        if self.process.is_alive():
+            self.process.kill()
+            self.process.join()
+        self.connection.close()
 
 
-class WorkerPool:
-    """Starts workers on entry and ends them, at once, on exit."""
+class LocalEngine:
+    """Starts worker processes on entry and ends them, at once, on exit."""
 
-    def __init__(
-        self, count: int, scenario: Scenario, folder: Path, make_runner: MakeRunner
-    ) -> None:
-        """Args: number of processes, and what every worker is given."""
-        self._count = count
-        self._arguments = (scenario, folder, make_runner)
-        self.workers: list[Worker] = []
+    def __init__(self, workers: int | None, scenario: Scenario, make_runner: MakeRunner) -> None:
+        """Args: see `make_engine`."""
+        self.workers = len(os.sched_getaffinity(0)) if workers is None else workers
+        self._arguments = (scenario, make_runner)
+        self._workers: list[_Worker] = []
 
     def __enter__(self) -> Self:
-        """Starts the processes."""
-        context = multiprocessing.get_context("spawn")
-        with worker_environment():
-            for _ in range(self._count):
-                ours, theirs = context.Pipe()
-                process = context.Process(target=work, args=(theirs, *self._arguments), daemon=True)
-                process.start()
-                theirs.close()
-                self.workers.append(Worker(process, ours))
+        """Processes start when there is a block for each."""
         return self
 
     def __exit__(
@@ -65,38 +76,54 @@ class WorkerPool:
         trace: TracebackType | None,
     ) -> None:
         """Ends the processes."""
-        for worker in self.workers:
+        for worker in self._workers:
             worker.process.terminate()
-        for worker in self.workers:
-            worker.process.join(_STOP_SECONDS)
-            if worker.process.is_alive():
-                worker.process.kill()
-                worker.process.join()
-            worker.connection.close()
+        for worker in self._workers:
+            worker.end()
 
-    def messages(self) -> Iterator[tuple[Worker, Message]]:
-        """Yields messages as they come, while any worker has a block.
-
-        Raises:
-            UserError: a worker met a mistake of the user's.
-            RuntimeError: a worker raised, or its process died.
-        """
-        while busy := {w.connection: w for w in self.workers if w.block is not None}:
+    def run(self, pending: list[Block]) -> Iterator[tuple[Block, Event]]:
+        """Runs blocks, see `Engine`."""
+        for _ in range(min(self.workers, len(pending))):
+            self._start_worker(pending)
+        while busy := {w.connection: w for w in self._workers if w.block is not None}:
             for ready in wait(list(busy)):
-                worker = busy[ready]  # type: ignore[index]  # `wait` returns what it was given
-                yield worker, _receive(worker)
+                yield from self._next_event(busy[ready], pending)  # type: ignore[index]  # `wait` returns what it was given
+
+    def _next_event(self, worker: _Worker, pending: list[Block]) -> Iterator[tuple[Block, Event]]:
+        block = worker.block
+        assert block is not None
+        message = worker.receive()
+        if isinstance(message, Failed):
+            raise_failure(message, block)
+        elif isinstance(message, Lost):
+            pending.append(block)
+            yield block, message
+            self._workers.remove(worker)
+            worker.end()
+            self._start_worker(pending)
+        elif isinstance(message, EpisodeDone):
+            yield block, message
+        else:
+            worker.block = None
+            if pending:  # Before the yield: it need not wait until its files are written.
+                worker.start(take_block(pending, worker.object))
+            yield block, message
+
+    def _start_worker(self, pending: list[Block]) -> None:
+        context = multiprocessing.get_context("spawn")
+        ours, theirs = context.Pipe()
+        with worker_environment():
+            process = context.Process(target=work, args=(theirs, *self._arguments), daemon=True)
+            process.start()
+        theirs.close()
+        worker = _Worker(process, ours)
+        self._workers.append(worker)
+        worker.start(take_block(pending, ""))
 
 
-def _receive(worker: Worker) -> Message:
-    try:
-        message: Message = worker.connection.recv()
-    except (EOFError, ConnectionResetError) as error:
-        worker.process.join(_STOP_SECONDS)
-        raise RuntimeError(
-            f"the process that ran {worker.block} died, exit status {worker.process.exitcode}"
-        ) from error
-    if isinstance(message, Failed):
-        if message.by_user:
-            raise UserError(message.text)
-        raise RuntimeError(f"{worker.block} failed in its process:\n{message.text}")
-    return message
+def _how_it_ended(exit_code: int | None) -> str:
+    if exit_code is not None and exit_code < 0:
+        name = signal.Signals(-exit_code).name
+        hint = ", often for lack of memory" if name == "SIGKILL" else ""
+        return f"was ended by {name}{hint}"
+    return f"ended with status {exit_code}"

@@ -1,17 +1,16 @@
-"""A worker process: runs the blocks that it is sent and writes each when it is done."""
+"""What runs blocks, and the process that does so for a parent on the same machine."""
 
 import gc
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
-from pathlib import Path
 from typing import Protocol
 
 from keypush.errors import UserError
 from keypush.rollout.episode import EpisodeResult
 from keypush.rollout.job import Block
-from keypush.rollout.store import EpisodeStore
+from keypush.rollout.shard import Shard, make_shard
 from keypush.scenario import Scenario
 
 
@@ -34,11 +33,6 @@ class EpisodeDone:
 
 
 @dataclass(frozen=True)
-class BlockDone:
-    """Message: a block has been written."""
-
-
-@dataclass(frozen=True)
 class Failed:
     """Message: the block raised."""
 
@@ -47,37 +41,56 @@ class Failed:
     """Whether it was a `UserError`, whose text is meant for the user."""
 
 
-Message = EpisodeDone | BlockDone | Failed
+Message = EpisodeDone | Shard | Failed
 
 
-def work(connection: Connection, scenario: Scenario, folder: Path, make_runner: MakeRunner) -> None:
-    """Serves blocks until the connection closes, which also happens when the parent dies."""
-    store = EpisodeStore(folder)
-    runner: Runner | None = None
-    runs = ""
+class BlockWorker:
+    """Runs blocks one after the other; keeps the diagram while the object stays the same."""
+
+    def __init__(self, scenario: Scenario, make_runner: MakeRunner) -> None:
+        """Args: what every episode shares, and what makes the runner of an object."""
+        self._scenario = scenario
+        self._make_runner = make_runner
+        self._runner: Runner | None = None
+        self._object = ""
+
+    def run(self, block: Block, after_episode: Callable[[bool], None]) -> Shard | Failed:
+        """Runs a block.
+
+        Args:
+            block: what to run.
+            after_episode: called after each episode with its success; what it raises
+                passes through.
+        """
+        results = []
+        for episode in range(block.first, block.first + block.count):
+            try:
+                results.append(self._runner_of(block.object).run(episode))
+            except UserError as error:
+                return Failed(str(error), by_user=True)
+            except Exception:
+                return Failed(traceback.format_exc(), by_user=False)
+            after_episode(bool(results[-1].summary["success"]))
+        return make_shard(results)
+
+    def _runner_of(self, name: str) -> Runner:
+        if self._runner is None or name != self._object:
+            self._runner = None
+            gc.collect()  # Python does not see how much memory a diagram holds.
+            scenario = replace(self._scenario, object=replace(self._scenario.object, name=name))
+            self._runner, self._object = self._make_runner(scenario), name
+        return self._runner
+
+
+def work(connection: Connection, scenario: Scenario, make_runner: MakeRunner) -> None:
+    """Serves blocks until the connection closes, which also happens when the parent dies.
+
+    Nothing is written here, so that a process whose parent was killed leaves no trace.
+    """
+    worker = BlockWorker(scenario, make_runner)
     try:
         while True:
             block: Block = connection.recv()
-            if runner is None or block.object != runs:
-                runner = None
-                gc.collect()  # Python does not see how much memory a diagram holds.
-                runner = make_runner(
-                    replace(scenario, object=replace(scenario.object, name=block.object))
-                )
-                runs = block.object
-            _run_block(connection, store, runner, block)
-            connection.send(BlockDone())
+            connection.send(worker.run(block, lambda ok: connection.send(EpisodeDone(ok))))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
-    except UserError as error:
-        connection.send(Failed(str(error), by_user=True))
-    except Exception:
-        connection.send(Failed(traceback.format_exc(), by_user=False))
-
-
-def _run_block(connection: Connection, store: EpisodeStore, runner: Runner, block: Block) -> None:
-    results = []
-    for episode in range(block.first, block.first + block.count):
-        results.append(runner.run(episode))
-        connection.send(EpisodeDone(bool(results[-1].summary["success"])))
-    store.write(block, [r.rows for r in results], [r.summary for r in results])

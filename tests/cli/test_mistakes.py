@@ -38,7 +38,7 @@ MISTAKES: list[tuple[list[str], list[str]]] = [
     (["evaluate", "--objects", "mug,teapot", "--out", "e"], ["'teapot'"]),
     (["evaluate", "--objects", ",", "--out", "e"], ["','", "unseen"]),
     (["evaluate", "--episodes", "0", "--out", "e"], ["--episodes is 0"]),
-    (["collect", "--processes", "0", "--out", "c"], ["--processes is 0"]),
+    (["collect", "--workers", "0", "--out", "c"], ["--workers is 0"]),
     (["demo", "--policy", "expert", "--out", "file"], ["output folder file", "exists"]),
     (["demo", "--policy", "expert", "--out", "file/inside"], ["file/inside", "Not a directory"]),
     (["collect", "--out", "/proc/keypush"], ["/proc/keypush", "cannot be written"]),
@@ -83,7 +83,7 @@ def test_one_line_and_status_2(
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["collect", "--episodes", "1", "--scenario", "crowded.yaml", "--out", "crowded"],
+        ["collect", "--episodes-per-object", "1", "--scenario", "crowded.yaml", "--out", "crowded"],
         ["demo", "--scenario", "nan.yaml"],
         ["demo", "--speed", "3"],
     ],

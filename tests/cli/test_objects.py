@@ -74,7 +74,7 @@ def test_add_use_and_remove(crate: str, tmp_path: Path, capsys: pytest.CaptureFi
     assert "150 g" in told
     arguments = [
         "evaluate", "--policy", "expert", "--objects", "crate", "--episodes", "1",
-        "--processes", "1", "--set", "episode.max_steps=3", "--out", str(tmp_path / "e"),
+        "--workers", "1", "--set", "episode.max_steps=3", "--out", str(tmp_path / "e"),
     ]  # fmt: skip
     assert main(arguments) == 0  # in another process, which finds it too
     assert main(["objects", "check", "user", "--json"]) == 0

@@ -17,7 +17,7 @@ def test_evaluate_writes_summary_scenario_and_table(
 ) -> None:
     arguments = [
         "evaluate", "--policy", "centroid", "--objects", "plate,can", "--episodes", "2",
-        "--processes", "1", "--seed", "7", *SHORT, "--out", str(tmp_path / "e"),
+        "--workers", "1", "--seed", "7", *SHORT, "--out", str(tmp_path / "e"),
     ]  # fmt: skip
     assert main(arguments) == 0
     assert "plate" in capsys.readouterr().out
@@ -36,11 +36,11 @@ def test_flags_outrank_the_file_and_the_file_outranks_defaults(tmp_path: Path) -
     )
     arguments = [
         "collect", "--scenario", str(tmp_path / "mine.yaml"), "--set", "object.mass=0.3",
-        "--seed", "5", "--objects", "can", "--episodes", "1", "--processes", "1",
+        "--seed", "5", "--objects", "can", "--episodes-per-object", "1", "--workers", "1",
         "--out", str(tmp_path / "c"),
     ]  # fmt: skip
     assert main(arguments) == 0
-    scenario = load_scenario(tmp_path / "c" / "scenario.yaml")
+    scenario = load_scenario(tmp_path / "c" / "meta" / "scenario.yaml")
     assert (scenario.seed, scenario.object.mass, scenario.episode.max_steps) == (5, 0.3, 3)
 
 

@@ -12,9 +12,11 @@ from keypush.rollout.job import EPISODES_PER_BLOCK, Job
 from keypush.rollout.parallel import run_job
 from keypush.rollout.worker import MakeRunner
 from tests.rollout.short_scenarios import (
+    DyingOnceRunner,
     DyingRunner,
     MistakenRunner,
     RaisingRunner,
+    bytes_of,
     short_scenario,
 )
 
@@ -23,18 +25,10 @@ def _job(episodes: int = 11) -> Job:
     return Job(scenario=short_scenario(), objects=("plate", "can"), episodes=episodes)
 
 
-def _bytes(folder: Path) -> dict[str, bytes]:
-    return {
-        str(path.relative_to(folder)): path.read_bytes()
-        for path in sorted(folder.rglob("*"))
-        if path.is_file()
-    }
-
-
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("one_process")
-    run_job(_job(), folder, processes=1)
+    run_job(_job(), folder, workers=1)
     return folder
 
 
@@ -60,9 +54,9 @@ def test_every_episode_is_there_once(finished: Path) -> None:
         assert len(mine) >= count
 
 
-def test_two_processes_write_the_same_bytes_as_one(finished: Path, tmp_path: Path) -> None:
-    run_job(_job(), tmp_path, processes=2)
-    assert _bytes(tmp_path) == _bytes(finished)
+def test_two_workers_write_the_same_bytes_as_one(finished: Path, tmp_path: Path) -> None:
+    run_job(_job(), tmp_path, workers=2)
+    assert bytes_of(tmp_path) == bytes_of(finished)
 
 
 def test_resuming_runs_only_what_is_missing(finished: Path, tmp_path: Path) -> None:
@@ -71,25 +65,25 @@ def test_resuming_runs_only_what_is_missing(finished: Path, tmp_path: Path) -> N
     before = kept.stat().st_mtime_ns
     (tmp_path / "episodes" / "can-000010.parquet").unlink()
     (tmp_path / "rows" / ".can-000010.parquet.1.partial").write_bytes(b"half a file")
-    run_job(_job(), tmp_path, processes=1)
-    assert _bytes(tmp_path) == _bytes(finished)
+    run_job(_job(), tmp_path, workers=1)
+    assert bytes_of(tmp_path) == bytes_of(finished)
     assert kept.stat().st_mtime_ns == before
 
 
 def test_another_job_is_refused_by_the_field_that_differs(finished: Path) -> None:
     with pytest.raises(UserError, match=r"job\.yaml: episodes is 11 there and 12 now"):
-        run_job(_job(12), finished, processes=1)
+        run_job(_job(12), finished, workers=1)
     other = _job()
     other.scenario.noise.cloud_deviation = 0.25
     with pytest.raises(UserError, match=r"scenario\.yaml: noise\.cloud_deviation is 0\.005"):
-        run_job(other, finished, processes=1)
+        run_job(other, finished, workers=1)
 
 
 @pytest.mark.parametrize(
     ("make_runner", "error", "text"),
     [
-        (RaisingRunner, RuntimeError, r"Block\(object='plate', first=0.*\n.*ZeroDivisionError"),
-        (DyingRunner, RuntimeError, r"Block\(object='plate', first=0.*exit status -9"),
+        (RaisingRunner, RuntimeError, r"block plate-000000 .*\n.*ZeroDivisionError"),
+        (DyingRunner, UserError, r"block plate-000000 .*SIGKILL.*, for the second time"),
         (MistakenRunner, UserError, "^weights of plate: none for episode 0$"),
     ],
 )
@@ -98,9 +92,19 @@ def test_a_failure_in_a_worker_reaches_the_caller(
 ) -> None:
     job = Job(scenario=short_scenario(), objects=("plate",), episodes=1)
     with pytest.raises(error, match=f"(?s){text}"):
-        run_job(job, tmp_path, processes=2, make_runner=make_runner)
+        run_job(job, tmp_path, workers=2, make_runner=make_runner)
     assert multiprocessing.active_children() == []
     assert list((tmp_path / "episodes").iterdir()) == []
+
+
+def test_a_killed_worker_is_replaced_and_its_block_run_again(
+    finished: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run_job(_job(), tmp_path, workers=2, make_runner=DyingOnceRunner.beside(tmp_path))
+    assert bytes_of(tmp_path) == bytes_of(finished)
+    lines = [line for line in capsys.readouterr().err.splitlines() if "SIGKILL" in line]
+    assert len(lines) == 1
+    assert lines[0].startswith("keypush: block ")
 
 
 def test_blocks_cover_every_episode_without_overlap() -> None:

@@ -1,12 +1,18 @@
 """Parquet files: shapes survive, and files appear whole or not at all."""
 
+import resource
 from pathlib import Path
 
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from keypush.rollout.parquet import table_from_rows, table_from_summaries, write_atomically
+from keypush.rollout.parquet import (
+    parquet_bytes,
+    table_from_rows,
+    table_from_summaries,
+    write_atomically,
+)
 
 
 def test_columns_keep_shape_type_and_value(tmp_path: Path) -> None:
@@ -20,7 +26,7 @@ def test_columns_keep_shape_type_and_value(tmp_path: Path) -> None:
         }
         for n in (3, 0, 2)
     ]
-    write_atomically(table_from_rows(episodes), tmp_path / "rows.parquet")
+    write_atomically(parquet_bytes(table_from_rows(episodes)), tmp_path / "rows.parquet")
     table = pq.read_table(tmp_path / "rows.parquet")
     assert table["object"].to_pylist() == ["mug"] * 5
     assert table["step"].to_pylist() == [0, 1, 2, 0, 1]
@@ -35,14 +41,20 @@ def test_summaries_become_rows() -> None:
     assert table.to_pylist() == [{"success": True, "final_position": [1.0, 2.0]}] * 2
 
 
-def test_nothing_is_left_under_the_name_when_writing_fails(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail(_table: object, path: Path, **_options: object) -> None:
-        path.write_bytes(b"half")
-        raise OSError("disk full")
+def test_a_file_that_cannot_be_written_whole_leaves_nothing(tmp_path: Path) -> None:
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            write_atomically(bytes(2000), tmp_path / "a.parquet")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert list(tmp_path.iterdir()) == []
 
-    monkeypatch.setattr(pq, "write_table", fail)
-    with pytest.raises(OSError, match="disk full"):
-        write_atomically(table_from_summaries([{"a": 1}]), tmp_path / "a.parquet")
-    assert not (tmp_path / "a.parquet").exists()
+
+def test_a_flipped_bit_is_noticed(tmp_path: Path) -> None:
+    content = bytearray(parquet_bytes(table_from_rows([{"x": np.arange(1000.0)}])))
+    content[200] ^= 1
+    write_atomically(bytes(content), tmp_path / "a.parquet")
+    with pytest.raises(OSError, match=r"(?i)crc"):
+        pq.read_table(tmp_path / "a.parquet", page_checksum_verification=True)

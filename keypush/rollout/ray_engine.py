@@ -1,0 +1,119 @@
+"""Blocks on a Ray cluster: each machine runs episodes, the driver alone writes files."""
+
+import logging
+import platform
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any, Self
+
+import ray
+from ray.exceptions import RayError
+
+from keypush import __version__
+from keypush.errors import UserError, one_line
+from keypush.rollout.engine import Event, Lost, raise_failure
+from keypush.rollout.job import Block, take_block
+from keypush.rollout.shard import Shard
+from keypush.rollout.worker import BlockWorker, Failed, MakeRunner
+from keypush.scenario import Scenario
+from keypush.worker_environment import ONE_THREAD
+
+
+class _RemoteWorker:
+    """Lives in a process of the cluster and keeps its diagram between blocks."""
+
+    def __init__(self, version: str, scenario: Scenario, make_runner: MakeRunner) -> None:
+        self._version = version
+        self._worker = BlockWorker(scenario, make_runner)
+
+    def run(self, block: Block) -> Shard | Failed:
+        """Runs a block, unless this machine has another keypush than the driver."""
+        if self._version != __version__:
+            machine = f"machine {platform.node()}: keypush is {__version__} there"
+            return Failed(f"{machine}; allowed: {self._version}, as here", by_user=True)
+        return self._worker.run(block, lambda _: None)
+
+
+@dataclass
+class _Running:
+    """An actor and the block that it runs."""
+
+    actor: Any
+    block: Block
+
+
+class RayEngine:
+    """Connects to the cluster on entry; on exit its actors end.
+
+    The cluster is that of RAY_ADDRESS or of `ray start` on this machine; where there is
+    none, Ray starts one of this machine's cores.
+    """
+
+    def __init__(self, workers: int | None, scenario: Scenario, make_runner: MakeRunner) -> None:
+        """Args: see `make_engine`."""
+        self.workers = 0
+        self._most = workers
+        self._arguments = (__version__, scenario, make_runner)
+        self._running: dict[Any, _Running] = {}
+        self._connected_here = False
+
+    def __enter__(self) -> Self:
+        """Connects.
+
+        Raises:
+            UserError: there is no cluster at the address.
+        """
+        if not ray.is_initialized():
+            try:
+                ray.init(logging_level=logging.ERROR, log_to_driver=False)
+            except (ConnectionError, ValueError, RuntimeError) as error:
+                raise UserError(f"--engine ray: no cluster answers: {one_line(error)}") from error
+            self._connected_here = True
+        # An actor that found no free core would hold its block for ever.
+        resources = ray.cluster_resources()  # type: ignore[no-untyped-call]  # Ray has types in part
+        cores = max(1, int(resources.get("CPU", 1)))
+        self.workers = cores if self._most is None else min(self._most, cores)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Ends the actors, and the connection if it was made here."""
+        for running in self._running.values():
+            ray.kill(running.actor)
+        self._running.clear()
+        if self._connected_here:
+            ray.shutdown()
+
+    def run(self, pending: list[Block]) -> Iterator[tuple[Block, Event]]:
+        """Runs blocks, see `Engine`; there are no events of single episodes."""
+        for _ in range(min(self.workers, len(pending))):
+            self._hand_over(self._make_actor(), take_block(pending, ""))
+        while self._running:
+            (ready,), _ = ray.wait(list(self._running), num_returns=1)
+            done = self._running.pop(ready)
+            try:
+                result: Shard | Failed = ray.get(ready)
+            except RayError as error:
+                pending.append(done.block)
+                yield done.block, Lost(f"is lost: {one_line(error)}")
+                self._hand_over(self._make_actor(), take_block(pending, ""))
+                continue
+            if isinstance(result, Failed):
+                raise_failure(result, done.block)
+            elif pending:
+                self._hand_over(done.actor, take_block(pending, done.block.object))
+                yield done.block, result
+            else:
+                yield done.block, result
+
+    def _make_actor(self) -> Any:
+        remote = ray.remote(num_cpus=1, runtime_env={"env_vars": ONE_THREAD})(_RemoteWorker)
+        return remote.remote(*self._arguments)
+
+    def _hand_over(self, actor: Any, block: Block) -> None:
+        self._running[actor.run.remote(block)] = _Running(actor, block)

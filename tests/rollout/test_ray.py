@@ -1,0 +1,66 @@
+"""Blocks on a real Ray cluster of two workers: same bytes, failures named, the dead replaced."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import ray
+
+from keypush.errors import UserError
+from keypush.rollout.job import Job
+from keypush.rollout.parallel import run_job
+from tests.rollout.short_scenarios import (
+    DyingOnceRunner,
+    DyingRunner,
+    MistakenRunner,
+    bytes_of,
+    short_scenario,
+)
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[None]:
+    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+    yield
+    ray.shutdown()
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("alone")
+    run_job(_job(), folder, workers=1)
+    return folder
+
+
+def _job() -> Job:
+    return Job(scenario=short_scenario(), objects=("plate", "can"), episodes=11)
+
+
+@pytest.mark.usefixtures("cluster")
+def test_ray_writes_the_same_bytes(alone: Path, tmp_path: Path) -> None:
+    run_job(_job(), tmp_path, engine="ray")
+    assert bytes_of(tmp_path) == bytes_of(alone)
+
+
+@pytest.mark.usefixtures("cluster")
+def test_a_killed_worker_is_replaced(
+    alone: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copytree(alone, tmp_path, dirs_exist_ok=True)
+    (tmp_path / "episodes" / "can-000010.parquet").unlink()
+    run_job(_job(), tmp_path, engine="ray", make_runner=DyingOnceRunner.beside(tmp_path))
+    assert bytes_of(tmp_path) == bytes_of(alone)
+    assert "can-000010 (episodes 10 to 10 of can)" in capfd.readouterr().err
+
+
+@pytest.mark.usefixtures("cluster")
+def test_mistakes_and_deadly_blocks_are_one_line(tmp_path: Path) -> None:
+    job = Job(scenario=short_scenario(), objects=("plate",), episodes=1)
+    with pytest.raises(UserError, match=r"^weights of plate: none for episode 0$"):
+        run_job(job, tmp_path, engine="ray", make_runner=MistakenRunner)
+    with pytest.raises(UserError, match=r"block plate-000000 .* for the second time") as caught:
+        run_job(job, tmp_path, engine="ray", make_runner=DyingRunner)
+    assert "\n" not in str(caught.value)
