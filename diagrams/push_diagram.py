@@ -148,6 +148,7 @@ def _add_expert(
         ArmKinematics(scenario.robot),
         scenario.planner,
         scenario.control,
+        scenario.table,
         scenario.episode.policy_period,
     )
     builder.AddSystem(planner)
@@ -166,7 +167,7 @@ def _add_keypoint_policy(
     period = scenario.episode.policy_period
     predictor = KeypointPredictor(model, scenario.noise.cloud_points, period)
     arm = ArmKinematics(scenario.robot)
-    planner = PushPlanner(arm, scenario.planner, scenario.control, period)
+    planner = PushPlanner(arm, scenario.planner, scenario.control, scenario.table, period)
     builder.AddSystem(predictor)
     builder.AddSystem(planner)
     _connect(builder, station, predictor, ["point_cloud", "tool_pose"])

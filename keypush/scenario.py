@@ -191,6 +191,8 @@ class PlannerConfig:
 
     pitch_deg: float = _number(60.0, 10.0, 90.0)
     """Angle of the tool's axis below the table plane."""
+    wrist_yaw_deg: float = _number(90.0, 0.0, 90.0)
+    """Angle of the finger row out of the plane of the push; the thesis has 0."""
     tool_height: float = _number(0.015, 0.0, 0.2)
     """Height of the tool tip while it pushes."""
     approach_height: float = _number(0.15, 0.02, 0.5)
@@ -207,6 +209,8 @@ class PlannerConfig:
     """Action per error of the tool; above 1 because one action is only partly reached."""
     lateral_gain: float = _number(1.0, 0.0, 5.0)
     """Share of the lateral error that one centimetre of pushing takes away."""
+    reaim: bool = True
+    """Whether contact and direction follow the object during a push, or stay as it began."""
     reapproach_error: float = _number(0.015, 0.001, 0.2)
     """Lateral error beyond which the tool lets go and comes again."""
     reset_period: int = field(default=0, metadata={"range": (0, 100_000)})

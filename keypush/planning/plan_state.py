@@ -37,7 +37,9 @@ class PlanState:
     steps: int
     """Policy steps spent in the stage."""
     strikes: int
-    """Consecutive pushing steps with too large a lateral error."""
+    """Consecutive steps of a push with too large a lateral error, or of settling in place."""
+    jammed: int
+    """Consecutive steps of a push in which the tool is held too high to push."""
     posture: Posture
     """How the tool is held."""
     R_WR: RotationMatrix
@@ -47,13 +49,13 @@ class PlanState:
     p_WT: Array
     """(3,) where a retreat goes."""
 
-    SIZE = 16
+    SIZE = 17
 
     def to_vector(self) -> Array:
         """Packs the state for a Context."""
         quaternion = self.R_WR.ToQuaternion().wxyz()
         posture = [self.posture.side, self.posture.pitch, self.posture.height]
-        counts = [self.stage, self.steps, self.strikes]
+        counts = [self.stage, self.steps, self.strikes, self.jammed]
         return np.concatenate([counts, posture, quaternion, self.p_WR, self.p_WT])
 
     @staticmethod
@@ -63,17 +65,18 @@ class PlanState:
             stage=Stage(round(x[0])),
             steps=round(x[1]),
             strikes=round(x[2]),
-            posture=Posture(round(x[3]), float(x[4]), float(x[5])),
-            R_WR=RotationMatrix(Quaternion(x[6:10])),
-            p_WR=np.array(x[10:13]),
-            p_WT=np.array(x[13:16]),
+            jammed=round(x[3]),
+            posture=Posture(round(x[4]), float(x[5]), float(x[6])),
+            R_WR=RotationMatrix(Quaternion(x[7:11])),
+            p_WR=np.array(x[11:14]),
+            p_WT=np.array(x[14:17]),
         )
 
     @staticmethod
     def start(X_WE: RigidTransform) -> "PlanState":
         """The state at the start of an episode: the reference is the tool itself."""
         p_WE = X_WE.translation()
-        return PlanState(Stage.RISE, 0, 0, UNDECIDED, X_WE.rotation(), p_WE, p_WE)
+        return PlanState(Stage.RISE, 0, 0, 0, UNDECIDED, X_WE.rotation(), p_WE, p_WE)
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ _STEP = 0.4
 """Longest joint step of an iteration, rad."""
 _MARGIN = 0.02
 """Distance kept from the joint limits, rad."""
-_REACHED = 0.004
+REACHED = 0.004
 """Error below which a pose counts as reached, m (and rad, which weigh a tenth)."""
 _TURN_WEIGHT = 0.1
 
@@ -42,11 +42,12 @@ def choose_posture(
     waypoints: list[Array],
     pitches: list[float],
     heights: list[float],
-) -> Posture:
-    """Returns the first pitch and height at which the arm reaches all, with the better side.
+    wrist_yaw: float,
+) -> tuple[Posture, float]:
+    """Chooses the first pitch and height at which the arm reaches all, with the better side.
 
     The better side is the one whose first waypoint is nearer in joint space. If the arm
-    reaches nothing altogether, the posture with the least error is returned.
+    reaches nothing altogether, it is the posture with the least error.
 
     Args:
         arm: kinematics.
@@ -55,6 +56,11 @@ def choose_posture(
         waypoints: (3,) positions of the tool in W: behind the contact, end of the push.
         pitches: angles to try, the preferred one first, rad.
         heights: heights over the first waypoint to come down from, likewise, m.
+        wrist_yaw: see `tool_rotation`, rad.
+
+    Returns:
+        The posture and what is left of its error, m (a tenth of it for rad); below `REACHED`
+        where the arm reaches all.
     """
     best, least = Posture(1, pitches[0], heights[0]), np.inf
     for pitch in pitches:
@@ -62,16 +68,17 @@ def choose_posture(
             above = np.array([waypoints[0][0], waypoints[0][1], height])
             reached = []
             for side in (1, -1):
-                R_WE = tool_rotation(d_W, pitch, side)
-                bound = max(least, _REACHED)
+                R_WE = tool_rotation(d_W, pitch, side, wrist_yaw)
+                bound = max(least, REACHED)
                 error, travel = _try_waypoints(arm, q, [above, *waypoints], R_WE, bound)
-                if error < _REACHED:
-                    reached.append((travel, side))
+                if error < REACHED:
+                    reached.append((travel, side, error))
                 elif error < least:
                     best, least = Posture(side, pitch, height), error
             if reached:
-                return Posture(min(reached)[1], pitch, height)
-    return best
+                _, side, error = min(reached)
+                return Posture(side, pitch, height), error
+    return best, least
 
 
 def _try_waypoints(
@@ -105,7 +112,7 @@ def solve_ik(arm: ArmKinematics, q: Array, X_WE: RigidTransform) -> tuple[Array,
         offset = X_WE.translation() - X_WNow.translation()
         turn = rotation_vector(X_WNow.rotation(), X_WE.rotation())
         error = float(np.linalg.norm(offset) + _TURN_WEIGHT * np.linalg.norm(turn))
-        if error < _REACHED / 2:
+        if error < REACHED / 2:
             break
         dq = damped_least_squares(arm.jacobian(q), np.concatenate([offset, turn]), _DAMPING)
         q = np.clip(q + dq * min(1.0, _STEP / np.abs(dq).max()), lower, upper)

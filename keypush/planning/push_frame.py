@@ -30,31 +30,28 @@ def left_of(d_W: Array) -> Array:
     return np.array([-d_W[1], d_W[0], 0.0])
 
 
-def tool_rotation(d_W: Array, pitch: float, side: int) -> RotationMatrix:
+def tool_rotation(
+    d_W: Array, pitch: float, side: int, wrist_yaw: float = math.pi / 2
+) -> RotationMatrix:
     """Returns R_WE of a tool that faces d_W, pitched below the table plane.
 
-    Ez points along d_W and down by `pitch`. Ey, the finger row, lies across the push, to
-    the left of d_W for side +1 and to its right for side -1. The thesis (section 4.3)
-    turns Ex and Ey but not Ez, which leaves no rotation, and puts the finger row in the
-    push plane, where the palm hits table and object; so all three axes turn here and the
-    wrist is turned by 90 degrees.
+    Ez points along d_W and down by `pitch`. Ey, the finger row, lies across the push where the
+    wrist is turned by a right angle, to the left of d_W for side +1 and to its right for side -1.
+    The thesis (section 4.3) turns Ex and Ey but not Ez, which leaves no rotation, so all three
+    axes turn here; it puts the finger row in the push plane (wrist_yaw 0), where the palm hits
+    table and tall objects.
 
     Args:
         d_W: (3,) horizontal unit vector.
         pitch: angle of Ez below the table plane, rad.
-        side: +1 or -1.
+        side: +1 or -1, which are half a turn about Ez apart.
+        wrist_yaw: angle of the finger row out of the push plane, rad.
     """
     c, s = math.cos(pitch), math.sin(pitch)
-    x, y = float(d_W[0]), float(d_W[1])
-    # Columns: Ex = Ey x Ez, Ey = side (z x d), Ez = c d - s z.
-    R = np.array(
-        [
-            [-side * s * x, -side * y, c * x],
-            [-side * s * y, side * x, c * y],
-            [-side * c, 0.0, -s],
-        ]
-    )
-    return RotationMatrix(R)
+    z_axis = c * d_W - np.array([0.0, 0.0, s])
+    in_plane = s * d_W + np.array([0.0, 0.0, c])
+    y_axis = side * (math.cos(wrist_yaw) * in_plane + math.sin(wrist_yaw) * left_of(d_W))
+    return RotationMatrix(np.column_stack([np.cross(y_axis, z_axis), y_axis, z_axis]))
 
 
 def rotation_vector(R_WA: RotationMatrix, R_WB: RotationMatrix) -> Array:

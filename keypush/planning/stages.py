@@ -13,14 +13,15 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.eigen_geometry import AngleAxis
-from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.math import RotationMatrix
 
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.control.differential_ik import undamped_action
+from keypush.planning.finger import lowest_corner
 from keypush.planning.plan_state import UNDECIDED, PlanState, PushObservation, Stage
-from keypush.planning.posture import Posture, choose_posture, solve_ik
+from keypush.planning.posture import REACHED, Posture, choose_posture
 from keypush.planning.push_frame import left_of, rotation_vector, tool_rotation
-from keypush.scenario import ControlConfig, PlannerConfig
+from keypush.scenario import ControlConfig, PlannerConfig, TableConfig
 
 Array = NDArray[np.float64]
 
@@ -29,9 +30,13 @@ _APPROACH_TOLERANCE = 0.015
 _TURN_TOLERANCE = 0.12
 _SETTLE_HEIGHT_TOLERANCE = 0.002
 _SETTLE_TOLERANCE = 0.008
+_SETTLED = 2
+"""Consecutive steps within the tolerances: a tool that passes by would dive below its height."""
 _SETTLE_STEPS = 15
 _ARRIVED = 0.003
 _REAPPROACH_STEPS = 3
+_JAMMED_STEPS = 15
+"""So long pressing down may take to let a risen tool down again."""
 # After a retreat the tool stays low if it is this far behind the contact, and not farther
 # than this beside the line of the push; else it goes over the object.
 _LOW_PATH_BEHIND = 0.02
@@ -48,11 +53,14 @@ _RISEN = (0.0, 0.003)
 """Rise of a pushing tool above its height at which the lead begins to shrink, and is gone, m."""
 _PRESS = 0.003
 """How far below the tool the reference of a push is, m: about 1 N downwards."""
+_EDGE = 0.01
+"""Where the tool tip is this far inside the table's edge, the fingers' lowest corner is, too, m."""
 _LARGEST_GAIN = 2.0
 """Bound on undoing the damping of the inverse kinematics near singularities."""
-_STEEPER = np.deg2rad([0.0, 6.0, 20.0])
+_STEEPER = np.deg2rad([0.0, 5.0, 10.0, 15.0, 20.0])
 """Added to the pitch where the arm cannot reach the push otherwise. At the last the palm is
 ahead of the fingers and touches tall objects first, so it is the last resort."""
+_MUCH_STEEPER = np.deg2rad(12.0)
 _STUCK = 60
 """Policy steps on the way to a push after which the tool rises and tries anew."""
 _LOWER = (1.0, 0.75, 0.5)
@@ -65,15 +73,22 @@ class PushStages:
     """The stage logic: `advance` is a pure function of state and observation."""
 
     def __init__(
-        self, arm: ArmKinematics, config: PlannerConfig, control: ControlConfig, period: float
+        self,
+        arm: ArmKinematics,
+        config: PlannerConfig,
+        control: ControlConfig,
+        table: TableConfig,
+        period: float,
     ) -> None:
-        """Args: kinematics of the arm, stage constants, clips of the action, period in s."""
+        """Args: arm's kinematics, stage constants, clips of the action, table, period in s."""
         self._arm = arm
         self._config = config
         self._control = control
         self._period = period
         pitch = np.deg2rad(config.pitch_deg)
+        self._wrist_yaw = float(np.deg2rad(config.wrist_yaw_deg))
         self._pitches = [float(p) for p in np.minimum(pitch + _STEEPER, np.pi / 2)]
+        self._over_table = np.array([table.length, table.width]) / 2 - _EDGE
         # Within these the clip of the action does not bind.
         self._lead = control.max_translation / config.tracking_gain
         self._turn_lead = control.max_rotation / config.tracking_gain
@@ -94,14 +109,13 @@ class PushStages:
         a = self._config.tracking_gain * np.concatenate([offset, turn])
         return undamped_action(J, a, self._control.damping, _LARGEST_GAIN)
 
-    def start_error(self, seen: PushObservation) -> float:
-        """Returns how far the arm stays from where the push starts, m (a tenth of it for rad)."""
-        posture = self._choose_posture(seen)
-        R_WE = tool_rotation(seen.d_W, posture.pitch, posture.side)
-        above = self._behind(seen)
-        above[2] = posture.height
-        q, _ = solve_ik(self._arm, seen.q, RigidTransform(R_WE, above))
-        return solve_ik(self._arm, q, RigidTransform(R_WE, self._behind(seen)))[1]
+    def reaches(self, seen: PushObservation) -> bool:
+        """Whether the arm reaches a push's start, the height over it and its end, hardly steeper.
+
+        Where it can only be much steeper the arm is stretched, and a push does not stay low.
+        """
+        posture, error = self._choose_posture(seen)
+        return error < REACHED and posture.pitch - self._pitches[0] < _MUCH_STEEPER
 
     # Which stage -----------------------------------------------------------------------
 
@@ -123,18 +137,22 @@ class PushStages:
     def _enter(state: PlanState, stage: Stage) -> PlanState:
         if state.stage == stage:
             return state
-        return replace(state, stage=stage, steps=0, strikes=0)
+        return replace(state, stage=stage, steps=0, strikes=0, jammed=0)
 
-    def _choose_posture(self, seen: PushObservation) -> Posture:
+    def _choose_posture(self, seen: PushObservation) -> tuple[Posture, float]:
         end = seen.p_WK + max(seen.distance, 0.0) * seen.d_W
         end[2] = self._config.tool_height
-        waypoints = [self._behind(seen), end]
+        start = self._beside(seen, -self._config.approach_margin, 0.0, self._config.tool_height)
+        waypoints = [start, end]
         heights = [share * self._config.approach_height for share in _LOWER]
-        return choose_posture(self._arm, seen.q, seen.d_W, waypoints, self._pitches, heights)
+        return choose_posture(
+            self._arm, seen.q, seen.d_W, waypoints, self._pitches, heights, self._wrist_yaw
+        )
 
     def _after_rise(self, state: PlanState, seen: PushObservation) -> PlanState:
         if seen.X_WE.translation()[2] > self._config.approach_height - 0.02:
-            return replace(self._enter(state, Stage.APPROACH), posture=self._choose_posture(seen))
+            posture, _ = self._choose_posture(seen)
+            return replace(self._enter(state, Stage.APPROACH), posture=posture)
         return state
 
     def _after_approach(self, state: PlanState, seen: PushObservation) -> PlanState:
@@ -145,29 +163,35 @@ class PushStages:
         return self._enter(state, Stage.RISE) if state.steps > _STUCK else state
 
     def _after_descend(self, state: PlanState, seen: PushObservation) -> PlanState:
-        if np.linalg.norm(state.p_WR - self._behind(seen)) < _ARRIVED:
+        if np.linalg.norm(state.p_WR - self._behind(state, seen)) < _ARRIVED:
             return self._enter(state, Stage.SETTLE)
         return self._enter(state, Stage.RISE) if state.steps > _STUCK else state
 
     def _after_settle(self, state: PlanState, seen: PushObservation) -> PlanState:
-        off = seen.X_WE.translation() - self._behind(seen)
+        off = seen.X_WE.translation() - self._behind(state, seen)
         still = abs(off[2]) < _SETTLE_HEIGHT_TOLERANCE and np.hypot(*off[:2]) < _SETTLE_TOLERANCE
-        if still or state.steps > _SETTLE_STEPS:
+        state = replace(state, strikes=state.strikes + 1 if still else 0)
+        if state.strikes >= _SETTLED or state.steps > _SETTLE_STEPS:
             return self._enter(state, Stage.PUSH)
         return state
 
     def _after_push(self, state: PlanState, seen: PushObservation) -> PlanState:
         if seen.reset_offset is not None:
             forward, left = seen.reset_offset
-            p_WT = self._beside(seen, forward, left)
+            p_WT = self._beside(seen, forward, left, self._height(state))
             return replace(self._enter(state, Stage.RETREAT), p_WT=p_WT)
         off = seen.X_WE.translation() - seen.p_WK
         missed = abs(off @ left_of(seen.d_W)) > self._config.reapproach_error
-        state = replace(state, strikes=state.strikes + 1 if missed else 0)
-        if state.strikes < _REAPPROACH_STEPS:
+        risen = self._push_share(state, seen.X_WE.translation()) == 0.0
+        state = replace(
+            state,
+            strikes=state.strikes + 1 if missed else 0,
+            jammed=state.jammed + 1 if risen else 0,
+        )
+        if state.strikes < _REAPPROACH_STEPS and state.jammed < _JAMMED_STEPS:
             return state
         p_WT = seen.X_WE.translation() - self._config.approach_margin * self._heading(seen)
-        p_WT[2] = self._config.tool_height
+        p_WT[2] = self._height(state)
         return replace(self._enter(state, Stage.RETREAT), p_WT=p_WT)
 
     def _after_retreat(self, state: PlanState, seen: PushObservation) -> PlanState:
@@ -182,16 +206,23 @@ class PushStages:
 
     # Where to --------------------------------------------------------------------------
 
-    def _beside(self, seen: PushObservation, forward: float, left: float) -> Array:
-        point = seen.p_WK + forward * seen.d_W + left * left_of(seen.d_W)
-        return np.array([point[0], point[1], self._config.tool_height + _START_ABOVE])
+    def _height(self, state: PlanState) -> float:
+        """Of a pushing tool: a steeper one is lower, so that its finger is as low as otherwise."""
+        pitch = self._pitches[0] if state.posture == UNDECIDED else state.posture.pitch
+        usual, mine = (lowest_corner(p, self._wrist_yaw) for p in (self._pitches[0], pitch))
+        return self._config.tool_height + mine - usual
 
-    def _behind(self, seen: PushObservation) -> Array:
-        return self._beside(seen, -self._config.approach_margin, 0.0)
+    @staticmethod
+    def _beside(seen: PushObservation, forward: float, left: float, height: float) -> Array:
+        point = seen.p_WK + forward * seen.d_W + left * left_of(seen.d_W)
+        return np.array([point[0], point[1], height + _START_ABOVE])
+
+    def _behind(self, state: PlanState, seen: PushObservation) -> Array:
+        return self._beside(seen, -self._config.approach_margin, 0.0, self._height(state))
 
     def _above(self, state: PlanState, seen: PushObservation) -> Array:
         """Over the point of descent; high up while the tool may still be over the object."""
-        behind = self._behind(seen)
+        behind = self._behind(state, seen)
         away = np.hypot(*(seen.X_WE.translation() - behind)[:2]) > _OVERHEAD
         behind[2] = self._config.approach_height if away else state.posture.height
         return behind
@@ -203,9 +234,9 @@ class PushStages:
         length = float(np.linalg.norm(heading))
         return heading / length if length > 1e-6 else seen.d_W
 
-    @staticmethod
-    def _wanted_rotation(state: PlanState, seen: PushObservation) -> RotationMatrix:
-        return tool_rotation(seen.d_W, state.posture.pitch, state.posture.side)
+    def _wanted_rotation(self, state: PlanState, seen: PushObservation) -> RotationMatrix:
+        posture = state.posture
+        return tool_rotation(seen.d_W, posture.pitch, posture.side, self._wrist_yaw)
 
     def _move(self, state: PlanState, seen: PushObservation) -> Array:
         free = self._config.free_speed * self._period
@@ -218,12 +249,8 @@ class PushStages:
         else:
             target, step = {
                 Stage.APPROACH: (self._above(state, seen), free),
-                Stage.DESCEND: (self._behind(seen), free / 2),
-                # Integrates the error: the arm's targets are reached only in part.
-                Stage.SETTLE: (
-                    state.p_WR + 0.5 * (self._behind(seen) - seen.X_WE.translation()),
-                    free / 2,
-                ),
+                Stage.DESCEND: (self._behind(state, seen), free / 2),
+                Stage.SETTLE: (self._behind(state, seen), free / 2),
                 Stage.RETREAT: (state.p_WT, free / 2),
             }[state.stage]
         return self._step_towards(state, seen, target, step)
@@ -239,16 +266,16 @@ class PushStages:
         lead = np.full(3, self._lead)
         if state.stage == Stage.PUSH:
             lead[:] = _PUSH_LEAD
-            lead[:2] *= self._push_share(p_WE)
+            lead[:2] *= self._push_share(state, p_WE)
         return np.asarray(p_WE + np.clip(p_WR - p_WE, -lead, lead))
 
-    def _push_share(self, p_WE: Array) -> float:
+    def _push_share(self, state: PlanState, p_WE: Array) -> float:
         """Share of the lead that is left where the tool has risen.
 
         What the object answers a push with lifts the arm, and the finger's friction lifts the
         object, which then tips over its far edge; a push that gives way lets both down again.
         """
-        rise = float(p_WE[2]) - self._config.tool_height
+        rise = float(p_WE[2]) - self._height(state)
         return float(np.clip((_RISEN[1] - rise) / (_RISEN[1] - _RISEN[0]), 0.0, 1.0))
 
     def _push_target(self, state: PlanState, seen: PushObservation) -> Array:
@@ -259,18 +286,21 @@ class PushStages:
         steer = np.clip(-self._config.lateral_gain * error / 0.01, -1.0, 1.0)
         heading = seen.d_W + steer * left
         target = state.p_WR + step * heading / np.linalg.norm(heading)
-        z = float(seen.X_WE.translation()[2])
-        target[2] = z + self._sink(z)
+        p_WE = seen.X_WE.translation()
+        target[2] = p_WE[2] + self._climb(state, p_WE)
         return np.asarray(target)
 
-    def _sink(self, z: float) -> float:
-        """How much a pushing tool goes down, or up where it would scrape over the table.
+    def _climb(self, state: PlanState, p_WE: Array) -> float:
+        """How much a pushing tool goes up, or down where it is below zero.
 
         A tool that rises drags the object up with it and tips it, so it comes from above
-        and keeps pressing down.
+        and keeps pressing down, except beside the table, whose edge would be in its way.
         """
-        low = self._config.tool_height - _SCRAPE
-        return min(low - z, _PRESS) if z < low else -_PRESS
+        height = self._height(state)
+        if np.any(np.abs(p_WE[:2]) > self._over_table):
+            return float(np.clip(height - p_WE[2], -_PRESS, _PRESS))
+        low = height - _SCRAPE
+        return min(low - float(p_WE[2]), _PRESS) if p_WE[2] < low else -_PRESS
 
     def _turn(self, state: PlanState, seen: PushObservation) -> RotationMatrix:
         if state.stage == Stage.RETREAT or state.posture == UNDECIDED:

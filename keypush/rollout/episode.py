@@ -74,6 +74,7 @@ class EpisodeRunner:
         if variation.size_ratio != self.push.station.model.size_ratio:
             self._rebuild(variation.size_ratio)
         start = self._sampler.sample(episode)
+        self._redrawn = start.redrawn
         context = self._context
         self.push.diagram.SetDefaultContext(context)
         context.SetTime(0.0)
@@ -148,6 +149,7 @@ class EpisodeRunner:
             "gripper_friction": self._variation.gripper_friction,
             "com_offset": self._object.com_offset,
             "com_capped": self._object.com_capped,
+            "redrawn": self._redrawn,
         }
         rows = split_rows(self.push.log.FindLog(context), keys)
         return EpisodeResult(summary, rows, context.get_time())

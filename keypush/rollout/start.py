@@ -9,11 +9,16 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.errors import UserError
 from keypush.objects.model import ObjectModel
-from keypush.scenario import Scenario, TableConfig
+from keypush.planning.contact import finger_contact
+from keypush.planning.plan_state import PushObservation
+from keypush.planning.push_frame import push_direction
+from keypush.planning.stages import PushStages
+from keypush.scenario import PlannerConfig, Scenario, TableConfig
 from keypush.seeding import make_generator
 
 Array = NDArray[np.float64]
 _TRIES = 10_000
+_REACH_TRIES = 200
 
 
 @dataclass(frozen=True)
@@ -25,6 +30,8 @@ class EpisodeStart:
     """(2,) goal xy in W, m."""
     q: Array
     """(7,) arm joint positions, rad."""
+    redrawn: int
+    """How many starts before this one were dropped because the arm could not make the push."""
 
 
 class StartSampler:
@@ -34,17 +41,46 @@ class StartSampler:
         self._scenario = scenario
         self._model = model
         self._arm = ArmKinematics(scenario.robot)
+        # The same for every planner, so that policies face the same episodes.
+        period = scenario.episode.policy_period
+        self._stages = PushStages(
+            self._arm, PlannerConfig(), scenario.control, scenario.table, period
+        )
 
     def sample(self, episode: int) -> EpisodeStart:
         """Draws the start of one episode.
 
+        Starts are drawn until the arm, with the default posture of a push, reaches behind the
+        object, above there, and where the push ends.
+
         Raises:
-            UserError: no start keeps the scenario's distances.
+            UserError: no start keeps the scenario's distances, or the arm reaches none.
         """
         seed = self._scenario.seed
-        X_WO, goal = self._object_and_goal(make_generator(seed, episode, "object_and_goal"))
-        q = self._arm_positions(make_generator(seed, episode, "arm"), X_WO.translation())
-        return EpisodeStart(X_WO, goal, q)
+        place = make_generator(seed, episode, "object_and_goal")
+        arm = make_generator(seed, episode, "arm")
+        for redrawn in range(_REACH_TRIES):
+            X_WO, goal = self._object_and_goal(place)
+            q = self._arm_positions(arm, X_WO.translation())
+            if self._stages.reaches(self._first_sight(X_WO, goal, q)):
+                return EpisodeStart(X_WO, goal, q, redrawn)
+        raise UserError(
+            f"the arm reaches none of {_REACH_TRIES} starts of {self._model.name!r} with "
+            f"episode.goal {self._scenario.episode.goal}; allowed: a goal to which it can push"
+        )
+
+    def _first_sight(self, X_WO: RigidTransform, goal: Array, q: Array) -> PushObservation:
+        """What the expert sees at the start."""
+        R_WO, p_WO = X_WO.rotation().matrix(), X_WO.translation()
+        p_WOcm = R_WO @ self._model.p_OoOcm_O + p_WO
+        d_W = push_direction(p_WOcm, goal)
+        return PushObservation(
+            q=q,
+            X_WE=self._arm.tool_pose(q),
+            p_WK=finger_contact(self._model.p_OP @ R_WO.T + p_WO, p_WOcm, d_W),
+            d_W=d_W,
+            distance=float(np.hypot(*(goal - p_WOcm[:2]))) - self._scenario.episode.goal_radius,
+        )
 
     def _object_and_goal(self, rng: np.random.Generator) -> tuple[RigidTransform, Array]:
         table, config = self._scenario.table, self._scenario.episode

@@ -11,7 +11,7 @@ from keypush.eval_ports import eval_abstract, eval_vector
 from keypush.planning.contact import finger_contact
 from keypush.planning.plan_state import PlanState, Stage
 from keypush.planning.push_frame import push_direction
-from keypush.scenario import ControlConfig, PlannerConfig
+from keypush.scenario import ControlConfig, PlannerConfig, TableConfig
 from keypush.systems.episode_seed import declare_episode_seed, episode_generator, policy_step
 from keypush.systems.staged_planner import SHORT_OF_GOAL, StagedPlanner
 
@@ -64,10 +64,11 @@ class ExpertPlanner(StagedPlanner):
         arm: ArmKinematics,
         config: PlannerConfig,
         control: ControlConfig,
+        table: TableConfig,
         policy_period: float,
     ) -> None:
-        """Args: surface points (N, 3) in O in m, the arm, stage constants, clips, period in s."""
-        super().__init__(arm, config, control, policy_period)
+        """Args: surface points (N, 3) in O in m; the rest as for `PushStages`."""
+        super().__init__(arm, config, control, table, policy_period)
         self.set_name("expert_planner")
         self._p_OP_O = np.asarray(p_OP, dtype=float)
         self._period = policy_period

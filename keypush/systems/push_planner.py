@@ -7,7 +7,7 @@ from pydrake.systems.framework import Context
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.eval_ports import eval_vector
 from keypush.planning.push_frame import push_direction
-from keypush.scenario import ControlConfig, PlannerConfig
+from keypush.scenario import ControlConfig, PlannerConfig, TableConfig
 from keypush.systems.staged_planner import SHORT_OF_GOAL, StagedPlanner
 
 
@@ -51,10 +51,11 @@ class PushPlanner(StagedPlanner):
         arm: ArmKinematics,
         config: PlannerConfig,
         control: ControlConfig,
+        table: TableConfig,
         policy_period: float,
     ) -> None:
-        """Args: kinematics of the arm, stage constants, clips of the action, period in s."""
-        super().__init__(arm, config, control, policy_period)
+        """Args: as for `PushStages`."""
+        super().__init__(arm, config, control, table, policy_period)
         self.set_name("push_planner")
         self._keypoint = self.DeclareVectorInputPort("keypoint", 3)
         self._goal = self.DeclareVectorInputPort("goal", 2)

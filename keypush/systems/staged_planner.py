@@ -10,16 +10,17 @@ from pydrake.systems.framework import BasicVector, Context, EventStatus, LeafSys
 
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.eval_ports import eval_abstract, eval_vector
-from keypush.planning.plan_state import PlanState, PushObservation
+from keypush.planning.plan_state import PlanState, PushObservation, Stage
 from keypush.planning.stages import PushStages
 from keypush.robot.panda import NUM_JOINTS
-from keypush.scenario import ControlConfig, PlannerConfig
+from keypush.scenario import ControlConfig, PlannerConfig, TableConfig
 
 SHORT_OF_GOAL = 0.05
 """A push is planned to end this far before the goal, m: where it succeeds by default."""
 _PLAN = slice(0, PlanState.SIZE)
 _ACTION = slice(PlanState.SIZE, PlanState.SIZE + 6)
 _TARGET = slice(_ACTION.stop, _ACTION.stop + 3)
+_DIRECTION = slice(_TARGET.stop, _TARGET.stop + 3)
 
 
 class StagedPlanner(LeafSystem):
@@ -34,13 +35,14 @@ class StagedPlanner(LeafSystem):
         arm: ArmKinematics,
         config: PlannerConfig,
         control: ControlConfig,
+        table: TableConfig,
         policy_period: float,
     ) -> None:
-        """Args: kinematics of the arm, stage constants, clips of the action, period in s."""
+        """Args: arm's kinematics, stage constants, clips of the action, table, period in s."""
         super().__init__()
         self._config = config
-        self._stages = PushStages(arm, config, control, policy_period)
-        self._held = {self.discrete_state_ticket(self.DeclareDiscreteState(_TARGET.stop))}
+        self._stages = PushStages(arm, config, control, table, policy_period)
+        self._held = {self.discrete_state_ticket(self.DeclareDiscreteState(_DIRECTION.stop))}
         self.DeclareInitializationUnrestrictedUpdateEvent(self._start)
         self.DeclarePeriodicUnrestrictedUpdateEvent(policy_period, 0.0, self._update)
 
@@ -74,14 +76,17 @@ class StagedPlanner(LeafSystem):
         return X_WE
 
     def _start(self, context: Context, state: State) -> EventStatus:
-        values = np.zeros(_TARGET.stop)
+        values = np.zeros(_DIRECTION.stop)
         values[_PLAN] = PlanState.start(self._tool(context)).to_vector()
         state.get_mutable_discrete_state(0).SetFromVector(values)
         return EventStatus.Succeeded()
 
     def _update(self, context: Context, state: State) -> EventStatus:
-        plan = PlanState.from_vector(context.get_discrete_state(0).value()[_PLAN])
+        held = context.get_discrete_state(0).value()
+        plan = PlanState.from_vector(held[_PLAN])
         p_WK, d_W, distance = self._aim(context)
+        if plan.stage == Stage.PUSH and not self._config.reaim:
+            p_WK, d_W = held[_TARGET].copy(), held[_DIRECTION].copy()
         seen = PushObservation(
             q=eval_vector(self._arm_state, context)[:NUM_JOINTS],
             X_WE=self._tool(context),
@@ -94,7 +99,7 @@ class StagedPlanner(LeafSystem):
         plan = self._stages.advance(plan, seen)
         action = self._stages.action(plan, seen)
         state.get_mutable_discrete_state(0).SetFromVector(
-            np.concatenate([plan.to_vector(), action, p_WK])
+            np.concatenate([plan.to_vector(), action, p_WK, d_W])
         )
         return EventStatus.Succeeded()
 

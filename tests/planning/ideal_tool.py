@@ -10,12 +10,12 @@ from keypush.planning.plan_state import PlanState, PushObservation, Stage
 from keypush.planning.posture import solve_ik
 from keypush.planning.push_frame import push_direction
 from keypush.planning.stages import PushStages
-from keypush.scenario import ControlConfig, PlannerConfig
+from keypush.scenario import ControlConfig, PlannerConfig, TableConfig
 from tests.control.arm import ARM, READY, Array
 
 PERIOD = 0.1
 CONFIG, CONTROL = PlannerConfig(), ControlConfig()
-STAGES = PushStages(ARM, CONFIG, CONTROL, PERIOD)
+STAGES = PushStages(ARM, CONFIG, CONTROL, TableConfig(), PERIOD)
 Change = Callable[[PlanState, PushObservation], PushObservation]
 
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydrake.math import RigidTransform
 
-from keypush.planning.posture import choose_posture, solve_ik
+from keypush.planning.posture import REACHED, choose_posture, solve_ik
 from keypush.planning.push_frame import rotation_vector, tool_rotation
 from keypush.scenario import PlannerConfig, RobotConfig
 from tests.control.arm import ARM, LIMITS, READY, Array, vectors
@@ -14,6 +14,7 @@ from tests.control.arm import ARM, LIMITS, READY, Array, vectors
 ROBOT, PLANNER = RobotConfig(), PlannerConfig()
 LOW, HIGH = np.array(ROBOT.start_lower), np.array(ROBOT.start_upper)
 PITCH = float(np.deg2rad(PLANNER.pitch_deg))
+YAW = float(np.deg2rad(PLANNER.wrist_yaw_deg))
 HEIGHTS = [PLANNER.approach_height, PLANNER.approach_height / 2]
 
 
@@ -51,7 +52,8 @@ def test_a_push_on_the_table_has_a_posture_that_the_arm_reaches(angle: float, xy
     d_W = np.array([np.cos(angle), np.sin(angle), 0.0])
     start = np.array([*xy, PLANNER.tool_height])
     waypoints = [start, start + 0.05 * d_W]
-    posture = choose_posture(ARM, READY, d_W, waypoints, [PITCH, PITCH + 0.1], HEIGHTS)
+    posture, error = choose_posture(ARM, READY, d_W, waypoints, [PITCH, PITCH + 0.1], HEIGHTS, YAW)
+    assert error < REACHED
     assert posture.side in (1, -1)
     assert posture.pitch in (PITCH, PITCH + 0.1)
     assert posture.height in HEIGHTS
@@ -66,7 +68,8 @@ def test_the_preferred_posture_is_taken_where_it_can_be() -> None:
     d_W = np.array([1.0, 0.0, 0.0])
     start = np.array([0.0, 0.0, PLANNER.tool_height])
     waypoints = [start, start + 0.05 * d_W]
-    posture = choose_posture(ARM, READY, d_W, waypoints, [PITCH, PITCH + 0.1], HEIGHTS)
+    posture, error = choose_posture(ARM, READY, d_W, waypoints, [PITCH, PITCH + 0.1], HEIGHTS, YAW)
+    assert error < REACHED
     assert (posture.pitch, posture.height) == (PITCH, HEIGHTS[0])
 
 
@@ -82,7 +85,10 @@ def test_the_side_with_the_shorter_way_is_taken(wrist: float, nearer: int) -> No
         there, error = solve_ik(ARM, q, RigidTransform(tool_rotation(d_W, PITCH, side), above))
         assert error < 0.005
         ways[side] = float(np.abs(there - q).max())
-    posture = choose_posture(ARM, q, d_W, [start, start + 0.05 * d_W], [PITCH], HEIGHTS[:1])
+    posture, error = choose_posture(
+        ARM, q, d_W, [start, start + 0.05 * d_W], [PITCH], HEIGHTS[:1], YAW
+    )
+    assert error < REACHED
     assert ways[nearer] < ways[-nearer]
     assert posture.side == nearer
 
@@ -90,6 +96,7 @@ def test_the_side_with_the_shorter_way_is_taken(wrist: float, nearer: int) -> No
 def test_out_of_reach_the_least_bad_posture_is_taken() -> None:
     d_W = np.array([1.0, 0.0, 0.0])
     far = np.array([3.0, 0.0, PLANNER.tool_height])
-    posture = choose_posture(ARM, READY, d_W, [far, far + d_W], [PITCH], HEIGHTS[:1])
+    posture, error = choose_posture(ARM, READY, d_W, [far, far + d_W], [PITCH], HEIGHTS[:1], YAW)
+    assert error > 1.0
     assert posture.side in (1, -1)
     assert posture.pitch == PITCH

@@ -21,11 +21,11 @@ rotations = (
 )
 
 
-@given(headings, pitches, sides)
+@given(headings, pitches, sides, st.floats(0.0, np.pi / 2))
 def test_the_tools_frame_is_a_proper_rotation(
-    d_W: NDArray[np.float64], pitch: float, side: int
+    d_W: NDArray[np.float64], pitch: float, side: int, wrist_yaw: float
 ) -> None:
-    R = tool_rotation(d_W, pitch, side).matrix()
+    R = tool_rotation(d_W, pitch, side, wrist_yaw).matrix()
     np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-12)
     assert np.isclose(np.linalg.det(R), 1.0, atol=1e-12)
 
@@ -40,6 +40,19 @@ def test_the_tool_faces_the_push_and_its_fingers_lie_across(
     assert np.isclose(np.arctan2(-z_axis @ UP, z_axis @ d_W), pitch, atol=1e-12)
     assert np.isclose(z_axis @ left_of(d_W), 0.0, atol=1e-12)
     assert np.isclose(x_axis @ left_of(d_W), 0.0, atol=1e-12)
+
+
+@given(headings, pitches, st.floats(0.0, np.pi / 2))
+def test_the_wrist_turns_the_finger_row_out_of_the_plane_of_the_push(
+    d_W: NDArray[np.float64], pitch: float, wrist_yaw: float
+) -> None:
+    R = tool_rotation(d_W, pitch, 1, wrist_yaw).matrix()
+    across = np.cross(UP, d_W)
+    assert np.isclose(R[:, 1] @ across, np.sin(wrist_yaw), atol=1e-12)
+    np.testing.assert_allclose(R[:, 2], tool_rotation(d_W, pitch, 1).matrix()[:, 2], atol=1e-12)
+    # The other side is half a turn about the tool's axis away.
+    other = tool_rotation(d_W, pitch, -1, wrist_yaw).matrix()
+    np.testing.assert_allclose(other, R * [-1.0, -1.0, 1.0], atol=1e-12)
 
 
 def test_the_default_pitch_is_60_degrees_below_the_table_plane() -> None:

@@ -10,15 +10,18 @@ from hypothesis import strategies as st
 from pydrake.math import RigidTransform, RotationMatrix
 
 from keypush.control.differential_ik import damped_least_squares
+from keypush.planning.finger import lowest_corner
 from keypush.planning.plan_state import PlanState, PushObservation, Stage
 from keypush.planning.posture import Posture
 from keypush.planning.push_frame import left_of, rotation_vector, tool_rotation
+from keypush.scenario import TableConfig
 from tests.control.arm import ARM, CLIP, Array, starts, vectors
 from tests.planning.ideal_tool import (
     CONFIG,
     CONTROL,
     PERIOD,
     STAGES,
+    Change,
     IdealTool,
     Step,
     missed_by,
@@ -134,6 +137,93 @@ def test_a_missed_contact_makes_the_tool_let_go_and_come_again(sign: float) -> N
     tool.run(Stage.PUSH)
 
 
+def held_up(state: PlanState, seen: PushObservation) -> PushObservation:
+    """The tool is a centimetre too high, whatever the planner does."""
+    del state
+    p_WE = seen.X_WE.translation()
+    high = np.array([p_WE[0], p_WE[1], CONFIG.tool_height + 0.01])
+    return replace(seen, X_WE=RigidTransform(seen.X_WE.rotation(), high))
+
+
+def test_a_tool_that_stays_too_high_to_push_lets_go_and_comes_again() -> None:
+    tool = _pushing()
+    steps = []
+    while tool.state.stage == Stage.PUSH:
+        steps.append(tool.step(held_up))
+        assert len(steps) < 30
+        if tool.state.stage == Stage.PUSH:
+            lead = steps[-1].after.p_WR - steps[-1].seen.X_WE.translation()
+            np.testing.assert_allclose(lead[:2], 0.0, atol=1e-12)
+            assert lead[2] < 0
+    assert len(steps) > 5
+    assert tool.state.stage == Stage.RETREAT
+    tool.run(Stage.PUSH)
+
+
+def test_a_tool_that_was_too_high_for_a_moment_goes_on() -> None:
+    tool = _pushing()
+    for _ in range(3):
+        for _ in range(5):
+            tool.step(held_up)
+        for _ in range(5):
+            assert tool.step().after.stage == Stage.PUSH
+
+
+def at(x: float) -> Change:
+    """Puts the tool at its height at (x, 0)."""
+
+    def change(_: PlanState, seen: PushObservation) -> PushObservation:
+        p_WE = np.array([x, 0.0, CONFIG.tool_height])
+        return replace(seen, X_WE=RigidTransform(seen.X_WE.rotation(), p_WE))
+
+    return change
+
+
+def test_beside_the_table_a_push_keeps_its_height_instead_of_pressing_down() -> None:
+    edge = TableConfig().length / 2
+    over, off = (_pushing().step(at(x)).after.p_WR[2] for x in (edge - 0.03, edge + 0.03))
+    assert over < CONFIG.tool_height - 0.002
+    assert off == pytest.approx(CONFIG.tool_height, abs=1e-4)
+
+
+def test_a_steeper_tool_pushes_with_its_finger_as_low_as_another() -> None:
+    def finger(pitch: float) -> float:
+        tool = _pushing()
+        posture = replace(tool.state.posture, pitch=pitch)
+        tool.state = replace(tool.state, posture=posture, stage=Stage.DESCEND)
+        tool.run(Stage.PUSH)
+        return float(tool.X_WE.translation()[2]) - lowest_corner(pitch, np.pi / 2)
+
+    assert finger(np.deg2rad(75.0)) == pytest.approx(finger(np.deg2rad(60.0)), abs=5e-4)
+
+
+def lowered(state: PlanState, seen: PushObservation) -> PushObservation:
+    """The tool is a centimetre too low."""
+    del state
+    low = seen.X_WE.translation() - [0.0, 0.0, 0.01]
+    return replace(seen, X_WE=RigidTransform(seen.X_WE.rotation(), low))
+
+
+def test_a_push_begins_with_the_tool_at_rest_at_its_height() -> None:
+    tool = IdealTool(CONTACT, GOALS[0])
+    tool.run(Stage.SETTLE)
+    # It passes by at its height once, and is off again.
+    assert tool.step().after.stage == Stage.SETTLE
+    assert tool.step(lowered).after.stage == Stage.SETTLE
+    assert tool.step().after.stage == Stage.SETTLE
+    assert tool.step().after.stage == Stage.PUSH
+
+
+def test_a_push_that_would_need_a_much_steeper_tool_is_out_of_reach() -> None:
+    near = IdealTool(CONTACT, GOALS[0]).see()
+    assert STAGES.reaches(near)
+    # Towards the robot, from the far edge.
+    far = replace(
+        near, p_WK=np.array([0.19, -0.16, 0.012]), d_W=np.array([-1.0, 0.0, 0.0]), distance=0.25
+    )
+    assert not STAGES.reaches(far)
+
+
 def test_single_steps_beside_the_contact_are_no_miss() -> None:
     tool = _pushing()
     for _ in range(8):
@@ -183,6 +273,7 @@ states = st.builds(
     stage=st.sampled_from([s for s in Stage if s != Stage.HALTED]),
     steps=st.integers(0, 300),
     strikes=st.integers(0, 3),
+    jammed=st.integers(0, 20),
     posture=st.builds(
         Posture, st.sampled_from([1, -1]), st.just(np.pi / 3), st.just(CONFIG.approach_height)
     ),
@@ -197,7 +288,7 @@ def test_the_state_survives_its_way_through_a_context(state: PlanState) -> None:
     packed = state.to_vector()
     assert packed.shape == (PlanState.SIZE,)
     again = PlanState.from_vector(packed)
-    for name in ("stage", "steps", "strikes", "posture"):
+    for name in ("stage", "steps", "strikes", "jammed", "posture"):
         assert getattr(again, name) == getattr(state, name)
     assert isinstance(again.stage, Stage)
     np.testing.assert_allclose(again.R_WR.matrix(), state.R_WR.matrix(), atol=1e-12)

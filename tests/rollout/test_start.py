@@ -1,6 +1,7 @@
 """How episodes start: every constraint holds for every shape, and seeds decide."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from keypush.objects.library import make_object
 from keypush.rollout.start import EpisodeStart, StartSampler, reachable_half_extents
 from keypush.scenario import EpisodeConfig, ObjectConfig, RobotConfig, Scenario, TableConfig
 
-DRAWS = 200
+DRAWS = 40
 
 
 def _sampler(
@@ -55,7 +56,7 @@ def test_every_start_keeps_the_scenarios_distances(name: str, size_ratio: float)
 
 def test_starts_are_spread_over_what_is_allowed() -> None:
     sampler, robot = _sampler("can"), RobotConfig()
-    starts = [sampler.sample(episode) for episode in range(400)]
+    starts = [sampler.sample(episode) for episode in range(200)]
     half = reachable_half_extents(TableConfig())
     for points in ([s.X_WO.translation()[:2] for s in starts], [s.goal for s in starts]):
         quadrants = {(x > 0, y > 0) for x, y in points}
@@ -63,8 +64,8 @@ def test_starts_are_spread_over_what_is_allowed() -> None:
         assert np.all(np.abs(points).max(axis=0) > 0.9 * half)
     yaw = [math.atan2(*s.X_WO.rotation().matrix()[[1, 0], 0]) for s in starts]
     counts, _ = np.histogram(yaw, bins=8, range=(-np.pi, np.pi))
-    # 50 expected in each; four standard deviations of a binomial draw.
-    assert np.all(np.abs(counts - 50) < 4 * np.sqrt(400 * 7 / 64))
+    # 25 expected in each; four standard deviations of a binomial draw.
+    assert np.all(np.abs(counts - 25) < 4 * np.sqrt(200 * 7 / 64))
     q = np.array([s.q for s in starts])
     box = np.array(robot.start_upper) - np.array(robot.start_lower)
     outside = np.maximum(np.array(robot.start_lower) - q, q - np.array(robot.start_upper))
@@ -105,4 +106,30 @@ def test_an_arm_that_cannot_start_high_enough_is_the_users_mistake() -> None:
     scenario = Scenario(robot=RobotConfig(start_tool_height=1.0))
     sampler = StartSampler(scenario, make_object("block"))
     with pytest.raises(UserError, match=r"^robot\.start_lower .* 1 m above the table"):
+        sampler.sample(0)
+
+
+def test_starts_that_the_arm_cannot_make_are_drawn_again_and_counted() -> None:
+    starts = [_sampler("can").sample(episode) for episode in range(100)]
+    redrawn = [start.redrawn for start in starts]
+    assert 0 < sum(redrawn) < 40
+    # The far edge, towards the robot: seldom within reach.
+    pulled = [s for s in starts if s.X_WO.translation()[0] > 0.14 and s.goal[0] < 0.0]
+    assert len(pulled) < 5
+
+
+def test_the_planner_does_not_change_where_episodes_start() -> None:
+    plain = Scenario(object=ObjectConfig(name="can"))
+    other = replace(plain, planner=replace(plain.planner, pitch_deg=80.0, wrist_yaw_deg=0.0))
+    model = make_object("can")
+    for episode in range(10):
+        first, second = (StartSampler(s, model).sample(episode) for s in (plain, other))
+        assert _bytes(first) == _bytes(second)
+
+
+def test_an_arm_that_reaches_no_start_is_the_users_mistake() -> None:
+    scenario = Scenario(table=TableConfig(length=5.0, width=5.0, reachable=1.0))
+    scenario.episode.goal = [2.4, 0.0]
+    sampler = StartSampler(scenario, make_object("block"))
+    with pytest.raises(UserError, match=r"^the arm reaches none of \d+ starts of 'block'"):
         sampler.sample(0)

@@ -6,9 +6,9 @@ from numpy.typing import NDArray
 from pydrake.math import RigidTransform, RollPitchYaw
 
 from keypush.objects.library import make_object
-from keypush.planning.plan_state import Stage
+from keypush.planning.plan_state import PlanState, Stage
 from keypush.planning.push_frame import left_of, push_direction
-from keypush.scenario import PlannerConfig
+from keypush.scenario import PlannerConfig, TableConfig
 from keypush.systems.episode_seed import set_episode_seed
 from keypush.systems.expert_planner import ExpertPlanner
 from keypush.systems.push_planner import PushPlanner
@@ -27,12 +27,12 @@ TOOL = {"tool_pose": None, "arm_state": 14, "halted": 1}
 
 
 def _expert(config: PlannerConfig | None = None) -> ClosedLoop:
-    planner = ExpertPlanner(POINTS, ARM, config or PlannerConfig(), CONTROL, PERIOD)
+    planner = ExpertPlanner(POINTS, ARM, config or PlannerConfig(), CONTROL, TableConfig(), PERIOD)
     return ClosedLoop(planner, {"object_pose": X_WO, "object_com": P_WOCM, "goal": GOAL})
 
 
 def _pusher() -> ClosedLoop:
-    planner = PushPlanner(ARM, PlannerConfig(), CONTROL, PERIOD)
+    planner = PushPlanner(ARM, PlannerConfig(), CONTROL, TableConfig(), PERIOD)
     return ClosedLoop(planner, {"keypoint": KEYPOINT, "goal": GOAL})
 
 
@@ -143,7 +143,8 @@ def _retreat(seed: int, episode: int) -> NDArray[np.float64]:
     set_episode_seed(loop.context, seed, episode)
     loop.run_until(Stage.PUSH)
     assert loop.run_until(Stage.RETREAT) <= RESET.reset_period + 1
-    goes_to = loop.context.get_discrete_state(0).value()[13:16]
+    held = loop.context.get_discrete_state(0).value()
+    goes_to = PlanState.from_vector(held[: PlanState.SIZE]).p_WT
     d_W = push_direction(P_WOCM, GOAL)
     offset = goes_to - loop.output("contact_target")
     return np.array([offset @ d_W, offset @ left_of(d_W)])
@@ -155,6 +156,17 @@ def test_the_experts_reset_retreats_behind_the_contact_with_noise_of_the_episode
     assert np.all(np.abs(places - [-RESET.reset_retreat, 0.0]) <= half)
     assert len({place.tobytes() for place in places}) == 4
     np.testing.assert_array_equal(_retreat(1, 0), places[2])
+
+
+@pytest.mark.parametrize("reaim", [True, False])
+def test_contact_and_direction_follow_the_object_unless_a_push_keeps_its_aim(reaim: bool) -> None:
+    loop = _expert(PlannerConfig(reaim=reaim))
+    loop.run_until(Stage.PUSH)
+    before = loop.output("contact_target")
+    loop.fix("object_com", P_WOCM + np.array([0.01, -0.02, 0.0]))
+    loop.simulator.AdvanceTo(loop.simulator.get_context().get_time() + 2 * PERIOD)
+    assert loop.stage == Stage.PUSH
+    assert np.array_equal(loop.output("contact_target"), before) == (not reaim)
 
 
 def test_without_a_reset_period_the_expert_never_lets_go() -> None:

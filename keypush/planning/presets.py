@@ -1,0 +1,43 @@
+"""The experts that have a name: settings of the same stages."""
+
+from dataclasses import replace
+from typing import Any
+
+from keypush.errors import UserError
+from keypush.scenario import PlannerConfig, Scenario
+
+EXPERTS: dict[str, dict[str, Any]] = {
+    "tuned": {},
+    "thesis": {
+        # The finger row lies in the plane of the push; a lower tool would press the palm's rear
+        # end into the table.
+        "wrist_yaw_deg": 0.0,
+        "tool_height": 0.025,
+        "approach_margin": 0.01,
+        "lateral_gain": 0.0,
+        "reapproach_error": 0.2,
+        "reset_period": 20,
+    },
+}
+"""Fields of `scenario.planner` that differ from their defaults, by the expert's name."""
+
+
+def expert_scenario(scenario: Scenario, name: str) -> Scenario:
+    """Returns the scenario with an expert's planner.
+
+    Args:
+        scenario: its planner's fields stay what they are where they differ from the defaults.
+        name: one of `EXPERTS`.
+
+    Raises:
+        UserError: there is no such expert.
+    """
+    if name not in EXPERTS:
+        raise UserError(f"expert is {name!r}; allowed: {', '.join(EXPERTS)}")
+    default = PlannerConfig()
+    wanted = {
+        field: value
+        for field, value in EXPERTS[name].items()
+        if getattr(scenario.planner, field) == getattr(default, field)
+    }
+    return replace(scenario, policy="expert", planner=replace(scenario.planner, **wanted))

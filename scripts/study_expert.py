@@ -1,0 +1,105 @@
+"""Runs the study of the expert that `docs/expert.md` reports, or goes on with it.
+
+    scripts/uv.sh run scripts/study_expert.py OUT [CONDITION...]
+
+Every condition leaves a folder in OUT; finished blocks stay, so it can be stopped at any time.
+"""
+
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from keypush.objects.library import parse_object_list
+from keypush.planning.presets import EXPERTS, expert_scenario
+from keypush.rollout.job import Job
+from keypush.rollout.parallel import run_job
+from keypush.scenario import Scenario
+
+SEED = 4
+"""Not that of the data set, nor of evaluations."""
+FEW = "block,mug,bowl,duck,candle,t_block,star_prism,tripod"
+"""Objects of every kind, on which one field at a time is changed."""
+_FEW_EPISODES, _ALL_EPISODES, _NOMINAL_EPISODES = 12, 20, 100
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Settings under which the expert runs."""
+
+    expert: str = "tuned"
+    planner: tuple[tuple[str, Any], ...] = ()
+    size_ratio: float = 1.0
+    com_shift: float = 0.0
+    objects: str = FEW
+    episodes: int = _FEW_EPISODES
+
+    def scenario(self) -> Scenario:
+        """Returns what is run; the object's name is replaced by each of `objects`."""
+        plain = Scenario(seed=SEED)
+        plain = replace(
+            plain,
+            object=replace(plain.object, size_ratio=self.size_ratio),
+            variation=replace(plain.variation, com_shift=self.com_shift),
+        )
+        scenario = expert_scenario(plain, self.expert)
+        return replace(scenario, planner=replace(scenario.planner, **dict(self.planner)))
+
+
+def _everywhere(**settings: Any) -> Condition:
+    return Condition(**{"objects": "all", "episodes": _ALL_EPISODES} | settings)
+
+
+def conditions() -> dict[str, Condition]:
+    """Returns all conditions by the name of their folder: first on all objects, then on few."""
+    fields: dict[str, list[Any]] = {
+        "pitch_deg": [45.0, 75.0],
+        "tool_height": [0.01, 0.02, 0.03],
+        "push_speed": [0.03, 0.1, 0.2],
+        "reaim": [False],
+        "lateral_gain": [0.0, 2.0],
+        "reapproach_error": [0.008, 0.2],
+        "approach_margin": [0.02, 0.06],
+        "reset_period": [20],
+    }
+    found = {
+        "tuned": _everywhere(episodes=_NOMINAL_EPISODES),
+        "size_0.75": _everywhere(size_ratio=0.75),
+        "size_1.25": _everywhere(size_ratio=1.25),
+        "com_shift": _everywhere(com_shift=0.015),
+        "reset": _everywhere(planner=(("reset_period", 20),)),
+        "thesis": _everywhere(expert="thesis"),
+        "few": Condition(),
+    }
+    for name, values in fields.items():
+        for value in values:
+            found[f"few_{name}_{value}"] = Condition(planner=((name, value),))
+    yaw = ("wrist_yaw_deg", EXPERTS["thesis"]["wrist_yaw_deg"])
+    height = ("tool_height", EXPERTS["thesis"]["tool_height"])
+    return found | {
+        "few_wrist_yaw_deg_0": Condition(planner=(yaw, height)),
+        "few_tool_height_0.025": Condition(planner=(height,)),
+    }
+
+
+def run(name: str, condition: Condition, folder: Path) -> None:
+    """Runs what is missing of a condition."""
+    folder.mkdir(parents=True, exist_ok=True)
+    print(name, flush=True)
+    job = Job(
+        scenario=condition.scenario(),
+        objects=tuple(parse_object_list(condition.objects)),
+        episodes=condition.episodes,
+    )
+    run_job(job, folder, workers=2)
+
+
+def main() -> None:
+    """Runs the conditions that are named, or all."""
+    out, known = Path(sys.argv[1]), conditions()
+    for name in sys.argv[2:] or known:
+        run(name, known[name], out / name)
+
+
+if __name__ == "__main__":
+    main()
