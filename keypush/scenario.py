@@ -195,7 +195,7 @@ class PlannerConfig:
     """Angle of the finger row out of the plane of the push; the thesis has 0."""
     tool_height: float = _number(0.015, 0.0, 0.2)
     """Height of the tool tip while it pushes."""
-    approach_height: float = _number(0.15, 0.02, 0.5)
+    approach_height: float = _number(0.18, 0.02, 0.5)
     """Height of the tool tip on its way to the point above-behind."""
     approach_margin: float = _number(0.04, 0.0, 0.2)
     """Distance behind the contact at which the tool comes down."""

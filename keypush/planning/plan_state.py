@@ -37,7 +37,8 @@ class PlanState:
     steps: int
     """Policy steps spent in the stage."""
     strikes: int
-    """Consecutive steps of a push with too large a lateral error, or of settling in place."""
+    """Consecutive steps of a push with too large a lateral error, or of settling in place; of
+    a tool that rises because it was stuck, 1."""
     jammed: int
     """Consecutive steps of a push in which the tool is held too high to push."""
     posture: Posture

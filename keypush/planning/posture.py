@@ -12,13 +12,13 @@ from keypush.planning.push_frame import rotation_vector, tool_rotation
 
 Array = NDArray[np.float64]
 
-_ITERATIONS = 30
+_ITERATIONS = 50
 _DAMPING = 1e-3
 _STEP = 0.4
 """Longest joint step of an iteration, rad."""
 _MARGIN = 0.02
 """Distance kept from the joint limits, rad."""
-REACHED = 0.004
+REACHED = 0.002
 """Error below which a pose counts as reached, m (and rad, which weigh a tenth)."""
 _TURN_WEIGHT = 0.1
 
@@ -43,6 +43,7 @@ def choose_posture(
     pitches: list[float],
     heights: list[float],
     wrist_yaw: float,
+    sides: tuple[int, ...] = (1, -1),
 ) -> tuple[Posture, float]:
     """Chooses the first pitch and height at which the arm reaches all, with the better side.
 
@@ -57,17 +58,18 @@ def choose_posture(
         pitches: angles to try, the preferred one first, rad.
         heights: heights over the first waypoint to come down from, likewise, m.
         wrist_yaw: see `tool_rotation`, rad.
+        sides: those to choose from.
 
     Returns:
         The posture and what is left of its error, m (a tenth of it for rad); below `REACHED`
         where the arm reaches all.
     """
-    best, least = Posture(1, pitches[0], heights[0]), np.inf
+    best, least = Posture(sides[0], pitches[0], heights[0]), np.inf
     for pitch in pitches:
         for height in heights:
             above = np.array([waypoints[0][0], waypoints[0][1], height])
             reached = []
-            for side in (1, -1):
+            for side in sides:
                 R_WE = tool_rotation(d_W, pitch, side, wrist_yaw)
                 bound = max(least, REACHED)
                 error, travel = _try_waypoints(arm, q, [above, *waypoints], R_WE, bound)

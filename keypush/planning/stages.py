@@ -139,19 +139,24 @@ class PushStages:
             return state
         return replace(state, stage=stage, steps=0, strikes=0, jammed=0)
 
-    def _choose_posture(self, seen: PushObservation) -> tuple[Posture, float]:
+    def _choose_posture(
+        self, seen: PushObservation, sides: tuple[int, ...] = (1, -1)
+    ) -> tuple[Posture, float]:
         end = seen.p_WK + max(seen.distance, 0.0) * seen.d_W
         end[2] = self._config.tool_height
         start = self._beside(seen, -self._config.approach_margin, 0.0, self._config.tool_height)
         waypoints = [start, end]
         heights = [share * self._config.approach_height for share in _LOWER]
         return choose_posture(
-            self._arm, seen.q, seen.d_W, waypoints, self._pitches, heights, self._wrist_yaw
+            self._arm, seen.q, seen.d_W, waypoints, self._pitches, heights, self._wrist_yaw, sides
         )
 
     def _after_rise(self, state: PlanState, seen: PushObservation) -> PlanState:
         if seen.X_WE.translation()[2] > self._config.approach_height - 0.02:
-            posture, _ = self._choose_posture(seen)
+            posture, error = self._choose_posture(seen)
+            if state.strikes:
+                other, its_error = self._choose_posture(seen, (-state.posture.side,))
+                posture = other if its_error < max(error, REACHED) else posture
             return replace(self._enter(state, Stage.APPROACH), posture=posture)
         return state
 
@@ -160,12 +165,16 @@ class PushStages:
         turn = rotation_vector(seen.X_WE.rotation(), self._wanted_rotation(state, seen))
         if np.linalg.norm(off) < _APPROACH_TOLERANCE and np.linalg.norm(turn) < _TURN_TOLERANCE:
             return self._enter(state, Stage.DESCEND)
-        return self._enter(state, Stage.RISE) if state.steps > _STUCK else state
+        return self._try_anew(state) if state.steps > _STUCK else state
 
     def _after_descend(self, state: PlanState, seen: PushObservation) -> PlanState:
         if np.linalg.norm(state.p_WR - self._behind(state, seen)) < _ARRIVED:
             return self._enter(state, Stage.SETTLE)
-        return self._enter(state, Stage.RISE) if state.steps > _STUCK else state
+        return self._try_anew(state) if state.steps > _STUCK else state
+
+    def _try_anew(self, state: PlanState) -> PlanState:
+        """Rises, and marks that this side's way is barred."""
+        return replace(self._enter(state, Stage.RISE), strikes=1)
 
     def _after_settle(self, state: PlanState, seen: PushObservation) -> PlanState:
         off = seen.X_WE.translation() - self._behind(state, seen)
