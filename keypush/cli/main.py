@@ -9,6 +9,7 @@ from tyro.conf import subcommand
 from keypush import __version__
 from keypush.cli.bench import Bench
 from keypush.cli.collect import Collect
+from keypush.cli.dataset import Dataset
 from keypush.cli.demo import Demo
 from keypush.cli.diagram import Diagram
 from keypush.cli.evaluate import Evaluate
@@ -19,6 +20,7 @@ from keypush.errors import UserError
 Verb = (
     Annotated[Demo, subcommand("demo")]
     | Annotated[Collect, subcommand("collect")]
+    | Annotated[Dataset, subcommand("dataset")]
     | Annotated[Train, subcommand("train")]
     | Annotated[Evaluate, subcommand("evaluate")]
     | Annotated[Objects, subcommand("objects")]

@@ -13,7 +13,7 @@ from keypush.learning.config import TrainingConfig
 
 @dataclass(kw_only=True)
 class Train:
-    """Train the keypoint network on what `keypush collect` wrote.
+    """Train the keypoint network on a data set.
 
     Writes weights and their description to OUT; a stopped run goes on from its last epoch.
     """
@@ -21,7 +21,7 @@ class Train:
     after_interrupt: ClassVar[str] = "finished epochs are kept; the same command goes on from them"
 
     data: Path
-    """Folder that `keypush collect` wrote."""
+    """Folder of a data set that `keypush collect` wrote."""
     out: Path
     """Folder for the weights."""
     config: Annotated[TrainingConfig, tyro.conf.arg(name="")] = field(

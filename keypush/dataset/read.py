@@ -77,6 +77,24 @@ class DataSet:
         schema = arrow_schema(tuple(f for f in self.features if f.name in columns))
         return pa.concat_tables([schema.empty_table(), *self.batches(schema.names)])
 
+    def each_episode(self) -> Iterator[tuple[dict[str, Any], pa.Table]]:
+        """Yields what is told of each episode, and its frames; raises as `batches`."""
+        names = [feature.name for feature in self.features]
+        batches = self.batches(names)
+        rest = arrow_schema(self.features).empty_table()
+        for number in range(len(self.episodes)):
+            told = self.episodes.slice(number, 1).to_pylist()[0]
+            while len(rest) < told["length"]:
+                batch = next(batches, None)
+                if batch is None:
+                    raise UserError(
+                        f"{self.folder}: the frames end in episode {number}; allowed: as many as "
+                        f"{EPISODES_PATH.partition('/chunk')[0]} says"
+                    )
+                rest = pa.concat_tables([rest, batch])
+            yield told, rest.slice(0, told["length"])
+            rest = rest.slice(told["length"])
+
     def episode(self, number: int) -> tuple[dict[str, Any], pa.Table]:
         """Reads what is told of one episode, and its frames.
 

@@ -71,17 +71,14 @@ def tell_statistics(found: dict[str, Any]) -> list[str]:
 
 
 def _objects(dataset: DataSet) -> dict[str, dict[str, int]]:
-    table = dataset.episodes.group_by("object", use_threads=False).aggregate(
-        [("length", "sum"), ("length", "count"), ("success", "sum")]
-    )
-    return {
-        row["object"]: {
-            "episodes": row["length_count"],
-            "success": row["success_sum"],
-            "frames": row["length_sum"],
-        }
-        for row in table.to_pylist()
-    }
+    table = dataset.episodes.select(["object", "success", "length"])
+    objects: dict[str, dict[str, int]] = {}
+    for row in table.to_pylist():
+        line = objects.setdefault(row["object"], {"episodes": 0, "success": 0, "frames": 0})
+        line["episodes"] += 1
+        line["success"] += row["success"]
+        line["frames"] += row["length"]
+    return objects
 
 
 def _histograms(dataset: DataSet) -> dict[str, dict[str, list[float]]]:

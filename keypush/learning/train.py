@@ -35,7 +35,7 @@ def train(data_dir: Path, out_dir: Path, config: TrainingConfig) -> dict[str, An
     `out_dir/keypoint.safetensors`.
 
     Args:
-        data_dir: folder that `keypush collect` wrote.
+        data_dir: folder of a data set.
         out_dir: folder for weights and state; made if missing.
 
     Returns:

@@ -47,6 +47,8 @@ def animate_keypoint(
 ) -> None:
     """Moves a sphere to keypoint k in frame k, with an arrow that points to the goal.
 
+    Neither is seen in frames whose keypoint is NaN.
+
     Args:
         meshcat: where a sphere and an arrow are drawn.
         animation: gets the frames.
@@ -54,7 +56,12 @@ def animate_keypoint(
         goal: (2,) goal xy in W, m.
     """
     _draw_keypoint(meshcat)
+    seen = np.isfinite(keypoints).all(axis=1)
     for frame, p_WK in enumerate(keypoints):
+        if frame == 0 or seen[frame] != seen[frame - 1]:
+            animation.SetProperty(frame, "/keypoint", "visible", bool(seen[frame]))
+        if not seen[frame]:
+            continue
         dx, dy = goal - p_WK[:2]
         R_WK = RotationMatrix.MakeZRotation(math.atan2(dy, dx))
         animation.SetTransform(frame, "/keypoint", RigidTransform(R_WK, p_WK))

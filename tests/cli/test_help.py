@@ -10,7 +10,7 @@ import pytest
 from keypush.cli.main import main
 from tests.cli.command import keypush
 
-VERBS = ("demo", "collect", "train", "evaluate", "bench", "diagram", "objects")
+VERBS = ("demo", "collect", "dataset", "train", "evaluate", "bench", "diagram", "objects")
 
 
 @pytest.mark.parametrize("arguments", [[], ["--help"]])

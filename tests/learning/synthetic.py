@@ -19,6 +19,8 @@ from keypush.scenario import Scenario, dump_scenario
 STEPS = 5
 PUSH = 4
 PERIOD = 0.1
+OTHERS = {"q": 7, "v": 7, "contact_force": 3}
+"""Columns of which nothing is learnt."""
 
 Rows = dict[str, NDArray[np.generic]]
 
@@ -84,6 +86,7 @@ def _episode(
     episode: int,
     rng: np.random.Generator,
 ) -> Rows:
+    others = np.random.default_rng([seed, episode])
     start, goal = rng.uniform([-0.16, -0.2], [0.16, 0.2], (2, 2))
     yaw = rng.uniform(-np.pi, np.pi)
     frames = []
@@ -103,9 +106,7 @@ def _episode(
         "time": PERIOD * np.arange(STEPS),
         "stage": np.full(STEPS, PUSH, dtype=np.int8),
         "action": np.full((STEPS, 6), 0.01 * np.arange(STEPS)[:, None]),
-        "q": rng.uniform(-1, 1, (STEPS, 7)),
-        "v": rng.uniform(-1, 1, (STEPS, 7)),
-        "contact_force": rng.uniform(-1, 1, (STEPS, 3)),
+        **{name: others.uniform(-1, 1, (STEPS, size)) for name, size in OTHERS.items()},
         **rows,
     }
 
@@ -125,6 +126,7 @@ def _row(
     offset = np.array([*(goal - com[:2]), 0.0])
     d_W = offset / np.linalg.norm(offset)
     target = analytic_contact(points @ R_WO.T + position, com, d_W, 0.02, (0.012, 0.04))
+    contact = target + rng.normal(0, 0.002, 3)
     # The tool looks straight down, some way behind the contact.
     tool = target - 0.03 * d_W + [0.0, 0.0, rng.uniform(0.0, 0.1)]
     return {
@@ -132,6 +134,6 @@ def _row(
         "com": com,
         "goal": goal,
         "tool_pose": np.array([0.0, 1.0, 0.0, 0.0, *tool]),
-        "contact_point": target + rng.normal(0, 0.002, 3),
+        "contact_point": contact,
         "target": target,
     }

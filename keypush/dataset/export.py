@@ -1,0 +1,43 @@
+"""Copies of a data set that hold more than it stores."""
+
+from pathlib import Path
+
+import pyarrow as pa
+
+from keypush.dataset.arrays import to_array
+from keypush.dataset.assemble import new_dataset
+from keypush.dataset.clouds import episode_clouds
+from keypush.dataset.features import CLOUD, cloud_feature
+from keypush.dataset.layout import EPISODE_COLUMNS
+from keypush.dataset.read import DataSet
+from keypush.dataset.writer import DatasetWriter
+from keypush.errors import UserError
+from keypush.scenario import load_scenario
+
+
+def export_clouds(dataset: DataSet, out: Path) -> None:
+    """Writes the same data set with the field `observation.point_cloud`, about 6 kB per frame.
+
+    Args:
+        dataset: without that field.
+        out: folder for the copy; made if missing.
+
+    Raises:
+        UserError: the data set has clouds already, `out` is its own folder or holds another data
+            set, or an object is not there any more.
+    """
+    if any(feature.name == CLOUD for feature in dataset.features):
+        raise UserError(f"{dataset.folder}: has {CLOUD} already; allowed: a data set without it")
+    if out.resolve() == dataset.folder.resolve():
+        raise UserError(f"output folder {out}: is the data set's own; allowed: another folder")
+    noise = load_scenario(dataset.paths["scenario"]).noise
+    features = (*dataset.features, cloud_feature(noise.cloud_points))
+    own = pa.schema([f for f in dataset.episodes.schema if f.name not in EPISODE_COLUMNS.names])
+    with new_dataset(out, dataset.paths["job"], dataset.paths["scenario"]) as folder:
+        writer = DatasetWriter(folder, features, own, dataset.fps)
+        for told, frames in dataset.each_episode():
+            columns = {name: to_array(frames[name]) for name in frames.column_names}
+            columns[CLOUD] = episode_clouds(noise, told, columns["observation.object_pose"])
+            (task,) = told["tasks"]
+            writer.add(columns, task, {name: told[name] for name in own.names})
+        writer.close()

@@ -1,0 +1,72 @@
+"""Each check passes on a good data set and fails on one that has what it looks for."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from keypush.dataset.check import check_dataset
+from keypush.dataset.read import open_dataset
+from tests.dataset.edit import DATA, EPISODES, edit_table, set_values
+
+
+def test_good_data_sets_pass(synthetic: Path, real: Path) -> None:
+    for folder in (synthetic, real):
+        checks = check_dataset(open_dataset(folder))
+        assert [name for name, check in checks.items() if not check.ok] == []
+        assert {"episodes", "lengths", "numbering", "times", "labels"} <= checks.keys()
+
+
+def _put(place: int, value: Any) -> Callable[[list[Any]], object]:
+    return lambda values: values.__setitem__(place, value)
+
+
+def _move(place: int, entry: int, by: float) -> Callable[[list[Any]], object]:
+    return lambda values: values[place].__setitem__(entry, values[place][entry] + by)
+
+
+def _shift_labels_and_contacts(folder: Path) -> None:
+    edit_table(folder / DATA, lambda t: set_values(t, "keypoint", _move(7, 2, 0.2)))
+    edit_table(folder / DATA, lambda t: set_values(t, "contact.measured", _move(7, 2, 0.2)))
+
+
+@pytest.mark.parametrize(
+    ("file", "column", "change", "check"),
+    [
+        (EPISODES, "object", _put(4, "can"), "episodes"),
+        (EPISODES, "episode", _put(4, 2), "episodes"),
+        (EPISODES, "episode_index", _put(4, 5), "episodes"),
+        (EPISODES, "length", _put(4, 4), "lengths"),
+        (EPISODES, "dataset_from_index", _put(4, 19), "lengths"),
+        (EPISODES, "dataset_to_index", _put(8, 44), "lengths"),
+        (EPISODES, "success", _put(4, False), "ends"),
+        (DATA, "index", _put(7, 6), "numbering"),
+        (DATA, "frame_index", _put(7, 1), "numbering"),
+        (DATA, "episode_index", _put(7, 0), "numbering"),
+        (DATA, "timestamp", _put(7, 0.21), "times"),
+        (DATA, "next.done", _put(7, True), "ends"),
+        (DATA, "next.success", _put(9, False), "ends"),
+        (DATA, "observation.com", _move(7, 1, np.nan), "finite"),
+        (DATA, "action", _move(7, 5, np.inf), "finite"),
+        (DATA, "observation.object_pose", _move(7, 3, 1e-3), "quaternions"),
+        (DATA, "observation.tool_pose", _move(7, 1, 1e-3), "quaternions"),
+        (DATA, "keypoint", _move(7, 0, 1e-4), "labels"),
+        (DATA, "keypoint", _put(7, [np.nan] * 3), "labels"),
+    ],
+)
+def test_what_is_wrong_is_found(
+    copy: Path, file: str, column: str, change: Callable[[list[Any]], object], check: str
+) -> None:
+    edit_table(copy / file, lambda table: set_values(table, column, change))
+    checks = check_dataset(open_dataset(copy))
+    assert not checks[check].ok
+    assert checks[check].found
+
+
+def test_labels_far_from_the_object_are_found(copy: Path) -> None:
+    _shift_labels_and_contacts(copy)
+    checks = check_dataset(open_dataset(copy))
+    assert [name for name, check in checks.items() if not check.ok] == ["label_distance"]
+    assert float(checks["label_distance"].found) > 0.1
