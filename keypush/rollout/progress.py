@@ -12,9 +12,9 @@ from keypush.rollout.job import Block, Job
 from keypush.rollout.shard import Shard
 from keypush.rollout.store import EpisodeStore, Finished
 
-SECONDS_PER_EPISODE = 2.0
+SECONDS_PER_EPISODE = 0.7
 """Of one core; see docs/collect.md."""
-BYTES_PER_EPISODE = 60_000
+BYTES_PER_EPISODE = 35_000
 """Of both files; see docs/collect.md."""
 _BAR = (
     "{percentage:3.0f}%|{bar}| {n_fmt}/{total_fmt} episodes "

@@ -1,7 +1,9 @@
 """Blocks on a Ray cluster: each machine runs episodes, the driver alone writes files."""
 
 import logging
+import os
 import platform
+import socket
 from collections.abc import Iterator
 from dataclasses import dataclass
 from types import TracebackType
@@ -19,6 +21,8 @@ from keypush.rollout.worker import BlockWorker, Failed, MakeRunner
 from keypush.scenario import Scenario
 from keypush.worker_environment import ONE_THREAD
 
+_CONNECT_SECONDS = 10.0
+
 
 class _RemoteWorker:
     """Lives in a process of the cluster and keeps its diagram between blocks."""
@@ -33,6 +37,23 @@ class _RemoteWorker:
             machine = f"machine {platform.node()}: keypush is {__version__} there"
             return Failed(f"{machine}; allowed: {self._version}, as here", by_user=True)
         return self._worker.run(block, lambda _: None)
+
+
+def _check_address(address: str) -> None:
+    """Asks whether anybody listens; Ray itself would try for minutes.
+
+    Raises:
+        UserError: nobody does.
+    """
+    host, _, port = address.removeprefix("ray://").rpartition(":")
+    if not (host and port.isdigit()):
+        return  # None, or a word such as "auto", which Ray answers at once.
+    try:
+        socket.create_connection((host, int(port)), _CONNECT_SECONDS).close()
+    except (OSError, OverflowError) as error:
+        raise UserError(
+            f"--engine ray: no cluster answers at RAY_ADDRESS={address}: {one_line(error)}"
+        ) from error
 
 
 @dataclass
@@ -65,6 +86,7 @@ class RayEngine:
             UserError: there is no cluster at the address.
         """
         if not ray.is_initialized():
+            _check_address(os.environ.get("RAY_ADDRESS", ""))
             try:
                 ray.init(logging_level=logging.ERROR, log_to_driver=False)
             except (ConnectionError, ValueError, RuntimeError) as error:

@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pyarrow.parquet as pq
@@ -12,6 +11,8 @@ import pytest
 
 from keypush.cli.main import main
 from tests.cli.command import KEYPUSH
+from tests.cli.processes import processes_of_group
+from tests.rollout.short_scenarios import bytes_of
 
 ARGUMENTS = (
     "collect", "--objects", "plate", "--episodes-per-object", "45", "--workers", "2",
@@ -19,21 +20,7 @@ ARGUMENTS = (
 )  # fmt: skip
 
 
-def _processes_of_group(group: int) -> Iterator[int]:
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            state, _parent, owner = stat.read_text().rpartition(")")[2].split()[:3]
-        except OSError:
-            continue  # It ended while we looked.
-        if int(owner) == group and state != "Z":
-            yield int(stat.parent.name)
-
-
-def _files(folder: Path) -> dict[str, bytes]:
-    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
-
-
-def test_an_interrupted_run_resumes_to_the_same_files(
+def test_an_interrupted_run_resumes_to_the_samebytes_of(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     stopped, whole = tmp_path / "stopped", tmp_path / "whole"
@@ -49,7 +36,7 @@ def test_an_interrupted_run_resumes_to_the_same_files(
     assert process.returncode == 130
     assert "same command" in errors
     assert "Traceback" not in errors
-    assert list(_processes_of_group(process.pid)) == []
+    assert list(processes_of_group(process.pid)) == []
     finished = list(stopped.glob("collecting/episodes/*.parquet"))
     assert 1 <= len(finished) < 5
     assert list(stopped.rglob("*.partial")) == []
@@ -58,5 +45,5 @@ def test_an_interrupted_run_resumes_to_the_same_files(
     left = 45 - len(pq.read_table(stopped / "collecting" / "episodes"))
     for folder in (stopped, whole):
         assert main([*ARGUMENTS, str(folder)]) == 0
-    assert _files(stopped) == _files(whole)
+    assert bytes_of(stopped) == bytes_of(whole)
     assert f"{left} of 45 episodes to run" in capsys.readouterr().err
