@@ -1,5 +1,6 @@
 """A data set: its shards are collected, then assembled, and can be resumed at any point."""
 
+import os
 import shutil
 from pathlib import Path
 from typing import Any
@@ -74,6 +75,7 @@ def _assemble(shards: Path, out: Path) -> None:
             f"{out}: the data set cannot be written: {error.strerror or one_line(error)}; all "
             f"episodes are kept in {shards}, and the same command goes on from them"
         ) from error
+    os.sync()  # A loss of power must not take the data set after its shards are gone.
     _discard(shards)
 
 

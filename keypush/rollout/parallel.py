@@ -49,12 +49,11 @@ def run_job(
         finished = store.open(job)
         pending = [block for block in job.blocks() if block not in finished]
         if pending:
-            with (
-                make_engine(engine, workers, job.scenario, make_runner) as running,
-                Progress(job, finished) as progress,
-            ):
+            with make_engine(engine, workers, job.scenario, make_runner) as running:
+                progress = Progress(job, finished)
                 progress.announce(store, running.workers)
-                _run_blocks(running, pending, store, progress)
+                with progress:
+                    _run_blocks(running, pending, store, progress)
     return store
 
 

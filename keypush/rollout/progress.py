@@ -32,12 +32,13 @@ class Progress:
         self._successes = sum(block.successes for block in finished.values())
         self._size = sum(block.size for block in finished.values())
         self._under_way: dict[Block, list[bool]] = {}
-        self._bar = tqdm(
-            total=job.total, initial=self._done, unit="episodes", bar_format=_BAR, disable=None,
-            smoothing=0.02,  # Of workers that report in turn, only the mean says anything.
-        )  # fmt: skip
 
     def __enter__(self) -> Self:
+        """Shows the bar, if there is a terminal."""
+        self._bar = tqdm(
+            total=self._total, initial=self._done, unit="episodes", bar_format=_BAR, disable=None,
+            smoothing=0.02,  # Of workers that report in turn, only the mean says anything.
+        )  # fmt: skip
         return self
 
     def __exit__(
@@ -53,10 +54,11 @@ class Progress:
         """Says what is to be expected, from constants or from the blocks that are there."""
         left = self._total - self._done
         seconds = left * SECONDS_PER_EPISODE / min(workers, left)
+        name = "1 worker" if workers == 1 else f"{workers} workers"
         free = shutil.disk_usage(store.folder).free
         say(
-            f"{left} of {self._total} episodes to run: about {_duration(seconds)} with {workers} "
-            f"workers, {_size(left * self._bytes_per_episode())} of {_size(free)} free"
+            f"{left} of {self._total} episodes to run: about {_duration(seconds)} with {name}, "
+            f"{_size(left * self._bytes_per_episode())} of {_size(free)} free"
         )
 
     def episode_done(self, block: Block, success: bool) -> None:
