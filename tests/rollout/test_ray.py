@@ -1,4 +1,4 @@
-"""Blocks on a real Ray cluster of two workers: same bytes, failures named, the dead replaced."""
+"""Blocks on a real Ray cluster of two nodes: same bytes, failures named, the dead replaced."""
 
 import shutil
 from collections.abc import Iterator
@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 import ray
+from ray.cluster_utils import Cluster
 
 from keypush.errors import UserError
 from keypush.rollout.job import Job
@@ -23,9 +24,12 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[None]:
-    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+    two_nodes = Cluster(initialize_head=True, head_node_args={"num_cpus": 1})
+    two_nodes.add_node(num_cpus=1)
+    ray.init(address=two_nodes.address, log_to_driver=False)
     yield
     ray.shutdown()
+    two_nodes.shutdown()  # type: ignore[no-untyped-call]  # Ray has types in part
 
 
 @pytest.fixture(scope="module")
