@@ -56,6 +56,7 @@ class DatasetWriter:
         self._data = _Files(folder, DATA_PATH, arrow_schema(features))
         self._meta = _Files(folder, EPISODES_PATH, schema)
         self._waiting: list[pa.Table] = []
+        self._waiting_bytes = 0
         self._records: list[dict[str, Any]] = []
 
     def add(self, columns: Columns, task: str, summary: Mapping[str, Any]) -> None:
@@ -79,7 +80,8 @@ class DatasetWriter:
         self._waiting.append(table)
         self._episodes += 1
         self._frames += len(table)
-        if sum(table.nbytes for table in self._waiting) >= _GROUP_BYTES:
+        self._waiting_bytes += table.nbytes
+        if self._waiting_bytes >= _GROUP_BYTES:
             self._flush()
 
     def close(self) -> None:
@@ -120,6 +122,7 @@ class DatasetWriter:
         place = {"data/chunk_index": chunk, "data/file_index": file}
         self._meta.write_records([record | place for record in self._records])
         self._waiting.clear()
+        self._waiting_bytes = 0
         self._records.clear()
 
     def _info(self) -> dict[str, Any]:

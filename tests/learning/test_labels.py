@@ -8,8 +8,11 @@ import torch
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from keypush.dataset.arrays import to_array
+from keypush.dataset.check import check_dataset
 from keypush.dataset.keypoint import HALTED, PUSH
 from keypush.dataset.poses import rotations
+from keypush.dataset.read import open_dataset
 from keypush.learning.labels import make_labels
 from keypush.learning.rows import Rows, read_rows
 from keypush.learning.scenes import scene_table
@@ -91,10 +94,10 @@ def test_analytic_label_is_the_rows_target() -> None:
 
 
 @pytest.mark.slow
-def test_analytic_labels_fit_the_logged_poses(tmp_path: Path) -> None:
+def test_labels_of_collected_episodes(tmp_path: Path) -> None:
     run = "from keypush.cli.main import main; raise SystemExit(main())"
-    command = [sys.executable, "-c", run, "collect", "--objects", "can", "--episodes", "2"]
-    command += ["--processes", "1", "--out", str(tmp_path / "data")]
+    command = [sys.executable, "-c", run, "collect", "--objects", "can"]
+    command += ["--episodes-per-object", "2", "--workers", "1", "--out", str(tmp_path / "data")]
     subprocess.run(command, check=True)
     rows = read_rows(tmp_path / "data", keep_failures=True)
     table = scene_table(rows, make_labels(rows, "analytic"))
@@ -103,6 +106,12 @@ def test_analytic_labels_fit_the_logged_poses(tmp_path: Path) -> None:
     along, across = table.label[pushing, 0], table.label[pushing, 1]
     assert across.abs().median() < 5e-4
     assert (along - along.median()).abs().median() < 5e-4
+    dataset = open_dataset(tmp_path / "data")
+    stored = to_array(dataset.read(["keypoint"])["keypoint"])
+    measured = make_labels(rows, "measured")
+    assert np.isfinite(stored).all(axis=1).mean() > 0.5
+    np.testing.assert_allclose(measured, stored, atol=1e-6)  # where NaN, there NaN
+    assert all(check.ok for check in check_dataset(dataset).values())
 
 
 def test_rotations_read_the_scalar_first() -> None:
