@@ -26,6 +26,9 @@ from keypush.scenario import ControlConfig, PlannerConfig, TableConfig
 Array = NDArray[np.float64]
 
 # Lengths in m, angles in rad, steps in policy steps.
+_HIGH_ENOUGH = 0.02
+_RISE_STEPS = 15
+"""An arm that cannot rise on the spot has to go elsewhere after so long."""
 _APPROACH_TOLERANCE = 0.015
 _TURN_TOLERANCE = 0.12
 _SETTLE_HEIGHT_TOLERANCE = 0.002
@@ -33,6 +36,8 @@ _SETTLE_TOLERANCE = 0.008
 _SETTLED = 2
 """Consecutive steps within the tolerances: a tool that passes by would dive below its height."""
 _SETTLE_STEPS = 15
+_HELD_OFF = 0.01
+"""A tool that stays so far from where it should settle is held off by limits of the joints, m."""
 _ARRIVED = 0.003
 _REAPPROACH_STEPS = 3
 _JAMMED_STEPS = 15
@@ -110,12 +115,14 @@ class PushStages:
         return undamped_action(J, a, self._control.damping, _LARGEST_GAIN)
 
     def reaches(self, seen: PushObservation) -> bool:
-        """Whether the arm reaches a push's start, the height over it and its end, hardly steeper.
+        """Whether the arm reaches a push's start, from high above it, and its end, hardly steeper.
 
-        Where it can only be much steeper the arm is stretched, and a push does not stay low.
+        Where it can only be much steeper the arm is stretched, and a push does not stay low;
+        where it can only be low above the start, limits of the joints are near.
         """
         posture, error = self._choose_posture(seen)
-        return error < REACHED and posture.pitch - self._pitches[0] < _MUCH_STEEPER
+        steep = posture.pitch - self._pitches[0] > _MUCH_STEEPER
+        return error < REACHED and posture.height == self._config.approach_height and not steep
 
     # Which stage -----------------------------------------------------------------------
 
@@ -152,7 +159,8 @@ class PushStages:
         )
 
     def _after_rise(self, state: PlanState, seen: PushObservation) -> PlanState:
-        if seen.X_WE.translation()[2] > self._config.approach_height - 0.02:
+        high = seen.X_WE.translation()[2] > self._config.approach_height - _HIGH_ENOUGH
+        if high or state.steps > _RISE_STEPS:
             posture, error = self._choose_posture(seen)
             if state.strikes:
                 other, its_error = self._choose_posture(seen, (-state.posture.side,))
@@ -180,9 +188,11 @@ class PushStages:
         off = seen.X_WE.translation() - self._behind(state, seen)
         still = abs(off[2]) < _SETTLE_HEIGHT_TOLERANCE and np.hypot(*off[:2]) < _SETTLE_TOLERANCE
         state = replace(state, strikes=state.strikes + 1 if still else 0)
-        if state.strikes >= _SETTLED or state.steps > _SETTLE_STEPS:
-            return self._enter(state, Stage.PUSH)
-        return state
+        if state.strikes < _SETTLED and state.steps <= _SETTLE_STEPS:
+            return state
+        if np.linalg.norm(off) > _HELD_OFF:
+            return self._try_anew(state)
+        return self._enter(state, Stage.PUSH)
 
     def _after_push(self, state: PlanState, seen: PushObservation) -> PlanState:
         if seen.reset_offset is not None:

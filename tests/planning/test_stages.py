@@ -330,3 +330,38 @@ def test_a_tool_that_is_held_up_is_waited_for() -> None:
         tool.X_WE, tool.q = X_WE, q
     assert step.after.stage == Stage.APPROACH
     assert np.all(np.abs(step.after.p_WR - X_WE.translation()) <= CONTROL.max_translation)
+
+
+def kept_at(X_WE: RigidTransform) -> Change:
+    """The arm stays where it is, whatever the planner does."""
+    return lambda _, seen: replace(seen, X_WE=X_WE)
+
+
+def test_an_arm_that_cannot_rise_goes_on_sideways() -> None:
+    tool = IdealTool(CONTACT, GOALS[0])
+    low = RigidTransform(tool.X_WE.rotation(), np.array([-0.1, 0.0, CONFIG.approach_height - 0.05]))
+    for _ in range(30):
+        tool.step(kept_at(low))
+        if tool.state.stage == Stage.APPROACH:
+            return
+    pytest.fail("the tool waits for ever")
+
+
+def test_a_barred_way_is_tried_from_the_other_side() -> None:
+    tool = IdealTool(CONTACT, GOALS[0])
+    tool.run(Stage.APPROACH)
+    first, X_WE = tool.state.posture.side, tool.X_WE
+    while tool.state.stage == Stage.APPROACH:
+        tool.step(kept_at(X_WE))
+    assert tool.state.stage == Stage.RISE
+    tool.run(Stage.APPROACH)
+    assert tool.state.posture.side == -first
+
+
+def test_a_tool_that_is_held_off_from_where_it_should_settle_does_not_push() -> None:
+    tool = IdealTool(CONTACT, GOALS[0])
+    tool.run(Stage.SETTLE)
+    off = RigidTransform(tool.X_WE.rotation(), tool.X_WE.translation() + [0.0, 0.0, 0.015])
+    while tool.state.stage == Stage.SETTLE:
+        tool.step(kept_at(off))
+    assert tool.state.stage == Stage.RISE
