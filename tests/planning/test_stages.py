@@ -361,7 +361,7 @@ def test_a_barred_way_is_tried_from_the_other_side() -> None:
 def test_a_tool_that_is_held_off_from_where_it_should_settle_does_not_push() -> None:
     tool = IdealTool(CONTACT, GOALS[0])
     tool.run(Stage.SETTLE)
-    off = RigidTransform(tool.X_WE.rotation(), tool.X_WE.translation() + [0.0, 0.0, 0.015])
+    off = RigidTransform(tool.X_WE.rotation(), tool.X_WE.translation() + np.array([0, 0, 0.015]))
     while tool.state.stage == Stage.SETTLE:
         tool.step(kept_at(off))
     assert tool.state.stage == Stage.RISE
