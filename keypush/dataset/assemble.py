@@ -1,5 +1,6 @@
 """Turns the finished shards of a job into a data set."""
 
+import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -75,6 +76,7 @@ def new_dataset(out: Path, job: Path, scenario: Path) -> Iterator[Path]:
 
 def _put_in_place(partial: Path, out: Path) -> None:
     """Replaces meta and data; between, there is no `meta/info.json`."""
+    _flush_to_disk(partial)
     (out / INFO).unlink(missing_ok=True)
     (partial / INFO).rename(partial / "info.json")
     # meta first: it tells, should this be stopped here, that the folder may be written again.
@@ -83,6 +85,16 @@ def _put_in_place(partial: Path, out: Path) -> None:
             (out / name).rename(partial / f"old_{name}")
         (partial / name).rename(out / name)
     (partial / "info.json").rename(out / INFO)
+
+
+def _flush_to_disk(folder: Path) -> None:
+    """So that after a loss of power what stands under its name is whole."""
+    for path in [folder, *folder.rglob("*")]:
+        handle = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
 
 
 def _refuse_others(out: Path, job: Path, scenario: Path) -> None:

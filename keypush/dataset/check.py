@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import yaml
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from keypush.dataset.arrays import to_array
 from keypush.dataset.features import CLOUD
+from keypush.dataset.job_file import read_job
 from keypush.dataset.keypoint import keypoints
+from keypush.dataset.layout import DATA_PATH
 from keypush.dataset.poses import rotations
 from keypush.dataset.read import DataSet
 from keypush.objects.library import make_object
@@ -62,6 +63,7 @@ def check_dataset(dataset: DataSet) -> dict[str, Check]:
     checks = {
         "episodes": _every_episode_once(dataset),
         "lengths": _lengths(dataset.episodes, dataset.frames),
+        "files": _files(dataset),
     }
     if not checks["lengths"].ok:
         return checks
@@ -75,8 +77,8 @@ def check_dataset(dataset: DataSet) -> dict[str, Check]:
 
 
 def _every_episode_once(dataset: DataSet) -> Check:
-    job = yaml.safe_load(dataset.paths["job"].read_text(encoding="utf-8"))
-    expected = [(name, i) for name in job["objects"] for i in range(job["episodes"])]
+    objects, episodes = read_job(dataset.job)
+    expected = [(name, i) for name in objects for i in range(episodes)]
     table = dataset.episodes
     found = list(zip(table["object"].to_pylist(), table["episode"].to_pylist(), strict=True))
     numbered = table["episode_index"].to_pylist() == list(range(len(table)))
@@ -103,6 +105,21 @@ def _lengths(episodes: pa.Table, frames: int) -> Check:
     )
 
 
+def _files(dataset: DataSet) -> Check:
+    """Whether each episode's frames are in the file that its row names."""
+    named = [
+        DATA_PATH.format(chunk_index=row["data/chunk_index"], file_index=row["data/file_index"])
+        for row in dataset.episodes.select(["data/chunk_index", "data/file_index"]).to_pylist()
+    ]
+    ends = np.cumsum(dataset.frames_per_file)
+    place = np.searchsorted(ends, to_array(dataset.episodes["dataset_from_index"]), side="right")
+    names = [str(path.relative_to(dataset.folder)) for path in dataset.files]
+    wrong = sum(
+        k >= len(names) or names[k] != name for k, name in zip(place.tolist(), named, strict=True)
+    )
+    return Check(wrong == 0, f"{wrong} in {len(names)} files", "0 episodes in another file")
+
+
 def _parts(dataset: DataSet) -> Iterator[_Part]:
     first, end = (to_array(dataset.episodes[f"dataset_{name}_index"]) for name in ("from", "to"))
     names = [feature.name for feature in dataset.features]
@@ -124,6 +141,12 @@ def _misnumbered(dataset: DataSet, part: _Part) -> float:
         | (found["frame_index"] != part.index - part.first)
     )
     return float(wrong.sum())
+
+
+def _wrong_tasks(dataset: DataSet, part: _Part) -> float:
+    tasks = dataset.episodes["tasks"].to_pylist()
+    numbers = np.array([dataset.tasks.get(task[0], -1) if task else -1 for task in tasks])
+    return float((part.columns["task_index"] != numbers[part.episode]).sum())
 
 
 def _time_error(dataset: DataSet, part: _Part) -> float:
@@ -208,6 +231,7 @@ def _largest(values: Array) -> float:
 _Measure = Callable[[DataSet, _Part], float]
 _MEASURES: dict[str, tuple[_Measure, float, str]] = {
     "numbering": (_misnumbered, 0.0, "0 frames whose index, episode or step is wrong"),
+    "tasks": (_wrong_tasks, 0.0, "0 frames whose task is not that of their episode"),
     "times": (
         _time_error, LONGEST_TIME_ERROR, f"at most {LONGEST_TIME_ERROR:g} s off the step's time"
     ),

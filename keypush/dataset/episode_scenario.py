@@ -18,6 +18,6 @@ def episode_scenario(dataset: DataSet, told: Mapping[str, Any]) -> Scenario:
     Raises:
         UserError: the file is missing or damaged.
     """
-    scenario = load_scenario(dataset.paths["scenario"])
+    scenario = load_scenario(dataset.scenario)
     mine = replace(scenario.object, name=told["object"], size_ratio=told["size_ratio"])
     return replace(scenario, object=mine)

@@ -30,10 +30,10 @@ def export_clouds(dataset: DataSet, out: Path) -> None:
         raise UserError(f"{dataset.folder}: has {CLOUD} already; allowed: a data set without it")
     if out.resolve() == dataset.folder.resolve():
         raise UserError(f"output folder {out}: is the data set's own; allowed: another folder")
-    noise = load_scenario(dataset.paths["scenario"]).noise
+    noise = load_scenario(dataset.scenario).noise
     features = (*dataset.features, cloud_feature(noise.cloud_points))
     own = pa.schema([f for f in dataset.episodes.schema if f.name not in EPISODE_COLUMNS.names])
-    with new_dataset(out, dataset.paths["job"], dataset.paths["scenario"]) as folder:
+    with new_dataset(out, dataset.job, dataset.scenario) as folder:
         writer = DatasetWriter(folder, features, own, dataset.fps)
         for told, frames in dataset.each_episode():
             columns = {name: to_array(frames[name]) for name in frames.column_names}

@@ -22,6 +22,7 @@ from keypush.dataset.layout import (
     JOB,
     KEYPUSH_FORMAT,
     SCENARIO,
+    TASKS,
 )
 from keypush.errors import UserError, one_line
 
@@ -48,17 +49,40 @@ class DataSet:
     """Fields of the frames."""
     fps: int
     """Frames per second."""
-    frames: int
-    """How many there are."""
     episodes: pa.Table
     """One row per episode, without the statistics."""
     files: Sequence[Path]
     """With the frames, in order."""
+    frames_per_file: Sequence[int]
+
+    @property
+    def frames(self) -> int:
+        """How many frames there are."""
+        return sum(self.frames_per_file)
+
+    @property
+    def scenario(self) -> Path:
+        """The file with the scenario."""
+        return self.folder / SCENARIO
+
+    @property
+    def job(self) -> Path:
+        """The file that tells of the job."""
+        return self.folder / JOB
 
     @cached_property
-    def paths(self) -> dict[str, Path]:
-        """The files that tell of the job: "scenario" and "job"."""
-        return {"scenario": self.folder / SCENARIO, "job": self.folder / JOB}
+    def tasks(self) -> dict[str, int]:
+        """Numbers of the tasks in words.
+
+        Raises:
+            UserError: the file is missing, damaged or foreign.
+        """
+        path = self.folder / TASKS
+        wanted = pa.schema([("task", pa.string()), ("task_index", pa.int64())])
+        with _explained(path):
+            table = pq.read_table(path)
+        _check_columns(path, table.schema, wanted, exact=True)
+        return dict(zip(*(table[name].to_pylist() for name in wanted.names), strict=True))
 
     def batches(self, columns: Sequence[str]) -> Iterator[pa.Table]:
         """Yields some fields of all frames, a row group at a time.
@@ -133,18 +157,19 @@ def open_dataset(folder: Path) -> DataSet:
     features = _features(folder / INFO, info)
     episodes = _read_episodes(folder)
     files = _numbered(folder, DATA_PATH)
-    frames = 0
+    frames_per_file = []
     for path in files:
         with _explained(path):
             _check_columns(path, pq.read_schema(path), arrow_schema(features), exact=True)
-            frames += pq.read_metadata(path).num_rows
+            frames_per_file.append(pq.read_metadata(path).num_rows)
+    dataset = DataSet(folder, features, info["fps"], episodes, files, frames_per_file)
     for name, found, told in (
         ("total_episodes", len(episodes), info["total_episodes"]),
-        ("total_frames", frames, info["total_frames"]),
+        ("total_frames", dataset.frames, info["total_frames"]),
     ):
         if found != told:
             raise UserError(f"{folder / INFO}: {name} is {told}, but the files have {found}")
-    return DataSet(folder, features, info["fps"], frames, episodes, files)
+    return dataset
 
 
 @contextmanager

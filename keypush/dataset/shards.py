@@ -8,8 +8,8 @@ from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
-import yaml
 
+from keypush.dataset.job_file import read_job, read_yaml
 from keypush.errors import UserError, one_line
 
 _ALLOWED = "allowed: the folder of a finished job"
@@ -31,15 +31,12 @@ class Shards:
         Raises:
             UserError: the folder holds no job.
         """
-        job = _read_yaml(folder / "job.yaml")
-        objects, episodes = job.get("objects"), job.get("episodes")
-        if not (isinstance(objects, list) and objects and isinstance(episodes, int)):
-            raise UserError(f"{folder / 'job.yaml'}: objects or episodes is missing; {_ALLOWED}")
-        return cls(folder, [str(name) for name in objects], episodes)
+        objects, episodes = read_job(folder / "job.yaml")
+        return cls(folder, objects, episodes)
 
     def scenario(self) -> dict[str, Any]:
         """Reads the scenario, as YAML has it."""
-        return _read_yaml(self.folder / "scenario.yaml")
+        return read_yaml(self.folder / "scenario.yaml")
 
     def blocks(self) -> Iterator[tuple[pa.Table, pa.Table]]:
         """Yields the summaries of each block's episodes and their rows, both by episode.
@@ -68,16 +65,6 @@ class Shards:
     def _files(self, name: str) -> list[Path]:
         pattern = re.compile(re.escape(name) + r"-\d+\.parquet")
         return sorted(p for p in (self.folder / "episodes").glob("*") if pattern.fullmatch(p.name))
-
-
-def _read_yaml(path: Path) -> dict[str, Any]:
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise UserError(f"{path}: cannot be read: {one_line(error)}; {_ALLOWED}") from error
-    if not isinstance(content, dict):
-        raise UserError(f"{path}: holds no mapping; {_ALLOWED}")
-    return content
 
 
 def _read_parquet(path: Path) -> pa.Table:

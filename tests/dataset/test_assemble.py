@@ -195,7 +195,10 @@ def _shorten(shards: Path) -> None:
         (lambda s: (s / "rows" / MISSING).write_bytes(b"PAR1"), "can-000000.*cannot be read"),
         (lambda s: (s / "job.yaml").unlink(), r"job\.yaml: cannot be read"),
         (lambda s: (s / "job.yaml").write_text("[]"), r"job\.yaml: holds no mapping"),
-        (lambda s: (s / "job.yaml").write_text("{}"), r"job\.yaml: objects or episodes is missing"),
+        (
+            lambda s: (s / "job.yaml").write_text("{}"),
+            r"job\.yaml: objects is None and episodes None",
+        ),
         (lambda s: (s / "scenario.yaml").write_text("{}"), "policy_period is missing"),
         (_change_period, "policy_period is 0.03; allowed in a data set"),
         (_shorten, "rows/ and episodes/ disagree"),

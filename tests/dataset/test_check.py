@@ -9,6 +9,7 @@ import pytest
 
 from keypush.dataset.check import check_dataset
 from keypush.dataset.read import open_dataset
+from keypush.errors import UserError
 from tests.dataset.edit import DATA, EPISODES, edit_table, set_values
 
 
@@ -45,6 +46,10 @@ def _shift_labels_and_contacts(folder: Path) -> None:
         (DATA, "index", _put(7, 6), "numbering"),
         (DATA, "frame_index", _put(7, 1), "numbering"),
         (DATA, "episode_index", _put(7, 0), "numbering"),
+        (EPISODES, "data/file_index", _put(4, 1), "files"),
+        (EPISODES, "tasks", _put(4, ["push the can to the goal"]), "tasks"),
+        (EPISODES, "tasks", _put(4, []), "tasks"),
+        (DATA, "task_index", _put(7, 2), "tasks"),
         (DATA, "timestamp", _put(7, 0.21), "times"),
         (DATA, "next.done", _put(7, True), "ends"),
         (DATA, "next.success", _put(9, False), "ends"),
@@ -70,3 +75,23 @@ def test_labels_far_from_the_object_are_found(copy: Path) -> None:
     checks = check_dataset(open_dataset(copy))
     assert [name for name, check in checks.items() if not check.ok] == ["label_distance"]
     assert float(checks["label_distance"].found) > 0.1
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda f: (f / "meta/job.yaml").unlink(), r"meta/job\.yaml: cannot be read"),
+        (lambda f: (f / "meta/job.yaml").write_text("{objects: []}"), r"objects is \[\]"),
+        (lambda f: (f / "meta/tasks.parquet").unlink(), r"tasks\.parquet: cannot be read"),
+        (
+            lambda f: edit_table(f / "meta/tasks.parquet", lambda t: t.drop_columns(["task"])),
+            r"tasks\.parquet: column task is missing",
+        ),
+    ],
+)
+def test_files_that_it_needs_are_named(
+    copy: Path, damage: Callable[[Path], object], message: str
+) -> None:
+    damage(copy)
+    with pytest.raises(UserError, match=message):
+        check_dataset(open_dataset(copy))
