@@ -51,11 +51,16 @@ def make_job(
     for name, value in ((option, episodes), ("workers", options.workers)):
         if value is not None and value < 1:
             raise UserError(f"--{name} is {value}; allowed: 1 or more")
+    objects = parse_object_list(options.objects)
     return Job(
         scenario=scenario,
-        objects=tuple(parse_object_list(options.objects)),
+        objects=tuple(objects),
         episodes=episodes,
-        provenance={"keypush": __version__, **_weights_digest(scenario)},
+        provenance={
+            "keypush": __version__,
+            **_weights_digest(scenario),
+            **_user_objects_digest(objects),
+        },
     )
 
 
@@ -69,3 +74,19 @@ def _weights_digest(scenario: "Scenario") -> dict[str, str]:
 
     content = weights_path(scenario.predictor.weights).read_bytes()
     return {"weights_sha256": hashlib.sha256(content).hexdigest()}
+
+
+def _user_objects_digest(names: list[str]) -> dict[str, str]:
+    """Tells objects apart that were removed and added again under the same name."""
+    import hashlib
+
+    from keypush.objects.library import object_folder, user_object_names
+
+    mine = set(user_object_names()).intersection(names)
+    if not mine:
+        return {}
+    digest = hashlib.sha256()
+    for name in sorted(mine):
+        for path in sorted(object_folder(name).iterdir()):
+            digest.update(path.read_bytes())
+    return {"user_objects_sha256": digest.hexdigest()}
