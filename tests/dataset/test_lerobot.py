@@ -14,7 +14,7 @@ from keypush.dataset.features import CLOUD
 from keypush.dataset.read import open_dataset
 
 ROOT = Path(__file__).resolve().parents[2]
-VERSION = "0.4.4"
+PACKAGES = ("lerobot==0.4.4", "lerobot[dataset]==0.6.1")
 
 
 def _run(*command: str | Path, folder: Path) -> None:
@@ -25,19 +25,19 @@ def _run(*command: str | Path, folder: Path) -> None:
     assert done.returncode == 0, done.stderr[-4000:]
 
 
-@pytest.fixture(scope="module")
-def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
+@pytest.fixture(scope="module", params=PACKAGES)
+def python(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An interpreter with lerobot, which brings torch: gigabytes where they are not cached."""
     folder = tmp_path_factory.mktemp("lerobot")
     uv = ["sh", str(ROOT / "scripts" / "uv.sh")]
     python = folder / "venv" / "bin" / "python"
     for command in (
         ["venv", "--quiet", "--python", sys.executable, str(folder / "venv")],
-        ["pip", "install", "--quiet", "--python", str(python), f"lerobot=={VERSION}"],
+        ["pip", "install", "--quiet", "--python", str(python), request.param],
     ):
         done = subprocess.run([*uv, *command], capture_output=True, text=True, check=False)
         assert done.returncode == 0, (
-            f"lerobot {VERSION} could not be installed, which needs a package index:\n"
+            f"{request.param} could not be installed, which needs a package index:\n"
             f"{done.stderr[-2000:]}"
         )
     return python
