@@ -20,7 +20,7 @@ ARGUMENTS = (
 )  # fmt: skip
 
 
-def test_an_interrupted_run_resumes_to_the_samebytes_of(
+def test_an_interrupted_run_resumes_to_the_same_files(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     stopped, whole = tmp_path / "stopped", tmp_path / "whole"
