@@ -70,7 +70,7 @@ def _weights_digest(scenario: "Scenario") -> dict[str, str]:
         return {}
     import hashlib
 
-    from keypush.learning.checkpoint import weights_path
+    from keypush.learning.card import weights_path
 
     content = weights_path(scenario.predictor.weights).read_bytes()
     return {"weights_sha256": hashlib.sha256(content).hexdigest()}

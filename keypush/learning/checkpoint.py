@@ -10,11 +10,9 @@ from safetensors import SafetensorError
 from safetensors.torch import load, save
 
 from keypush.errors import UserError, one_line
+from keypush.learning.card import read_card, weights_path
 from keypush.learning.network import KeypointNetwork
 from keypush.learning.network_config import NetworkConfig
-from keypush.resources import weights_dir
-
-SUFFIX = ".safetensors"
 
 
 def save_network(network: KeypointNetwork, path: Path, record: dict[str, Any]) -> None:
@@ -39,27 +37,13 @@ def load_network(name_or_path: str | Path) -> KeypointNetwork:
         UserError: a file is missing, unreadable, or does not fit the network.
     """
     path = weights_path(name_or_path)
-    config = _read_config(path.with_suffix(".json"))
+    config = _read_config(path)
     network = KeypointNetwork(config)
     try:
         network.load_state_dict(load(path.read_bytes()))
     except (OSError, SafetensorError, RuntimeError) as error:
         raise UserError(f"weights {path}: cannot be loaded: {one_line(error)}") from error
     return network.eval()
-
-
-def weights_path(name_or_path: str | Path) -> Path:
-    """Finds the `.safetensors` file; see `load_network`."""
-    given = Path(name_or_path)
-    path = given if given.suffix == SUFFIX else weights_dir() / f"{name_or_path}{SUFFIX}"
-    if not path.is_file():
-        shipped = sorted(p.stem for p in weights_dir().glob(f"*{SUFFIX}"))
-        names = ", ".join(shipped) if shipped else "none"
-        raise UserError(
-            f"weights {str(name_or_path)!r}: no file {path}; allowed: a name in {weights_dir()} "
-            f"({names}) or the path of a {SUFFIX} file"
-        )
-    return path
 
 
 def write_atomically(path: Path, content: bytes) -> None:
@@ -77,16 +61,12 @@ def write_atomically(path: Path, content: bytes) -> None:
         raise UserError(f"{path}: cannot be written: {one_line(error)}") from error
 
 
-def _read_config(path: Path) -> NetworkConfig:
+def _read_config(weights: Path) -> NetworkConfig:
     try:
-        return NetworkConfig(**json.loads(path.read_text(encoding="utf-8"))["network"])
-    except OSError as error:
+        return NetworkConfig(**read_card(weights)["network"])
+    except (KeyError, TypeError) as error:
         raise UserError(
-            f"weights' description {path}: cannot be read: {one_line(error)}"
-        ) from error
-    except (ValueError, KeyError, TypeError) as error:
-        raise UserError(
-            f"weights' description {path}: expected an object with the sizes of the network "
+            f"weights' card {weights.with_suffix('.json')}: expected the sizes of the network "
             f"under 'network': {one_line(error)}"
         ) from error
 

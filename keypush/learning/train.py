@@ -62,7 +62,12 @@ def train(data_dir: Path, out_dir: Path, config: TrainingConfig) -> dict[str, An
     record = {
         "parameters": parameter_count(state.network),
         "git_revision": _git_revision(),
-        "data": {"rows": len(rows), "sha256": _digest(scenes), "seeds": rows.seeds},
+        "data": {
+            "rows": len(rows),
+            "objects": sorted({name for name, _ in rows.objects}),
+            "sha256": _digest(scenes),
+            "seeds": rows.seeds,
+        },
         "training": dataclasses.asdict(config),
         "metrics": metrics,
     }

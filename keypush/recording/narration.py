@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from keypush.objects.catalogue import catalogue_names
+from keypush.learning.card import trained_objects
 from keypush.rollout.episode import EpisodeResult
 from keypush.scenario import Scenario
 
@@ -35,15 +35,20 @@ class Narration:
 
 def narrate(scenario: Scenario, result: EpisodeResult) -> Narration:
     """Tells which object was pushed, by whom, and how it ended."""
-    name = scenario.object.name
-    shown = name.replace("_", " ")
-    seen = name in catalogue_names("train")
-    shape = "a shape of the training set" if seen else "a shape never seen in training"
+    shown = scenario.object.name.replace("_", " ")
     return Narration(
-        title=f"A Franka Panda pushes the {shown}, {shape}.",
+        title=f"A Franka Panda pushes the {shown}{_familiarity(scenario)}.",
         policy=f"Policy: {scenario.policy} ({_POLICIES[scenario.policy]}).",
         outcome=_outcome(scenario, result, shown),
     )
+
+
+def _familiarity(scenario: Scenario) -> str:
+    """Whether who drives has seen the object before; nothing where nobody has learned."""
+    if scenario.policy != "keypoint":
+        return ""
+    seen = scenario.object.name in trained_objects(scenario.predictor.weights)
+    return ", a shape of its training set" if seen else ", a shape that it never saw in training"
 
 
 def final_distance(result: EpisodeResult) -> float:

@@ -25,7 +25,7 @@ def test_two_at_once_tell_and_write_everything(tmp_path: Path) -> None:
         told, complaints = demo.communicate(timeout=100)
         assert (demo.returncode, complaints) == (0, "")
         title, policy, outcome, page = told.splitlines()
-        assert "toy car, a shape of the training set" in title
+        assert title == "A Franka Panda pushes the toy car."
         assert "expert" in policy
         assert "time ran out after 3 policy steps" in outcome
         assert str(out / "recording.html") in page

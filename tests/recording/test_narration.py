@@ -1,5 +1,8 @@
 """The outcome in plain words."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -42,10 +45,28 @@ def test_outcome_names_cause_steps_time_and_distance(
         assert word in told
 
 
-def test_title_says_whether_the_shape_was_trained_on_and_policy_who_drove() -> None:
-    unseen = narrate(parse_scenario("{policy: expert, object: {name: mug_2}}"), result("fell"))
-    seen = narrate(parse_scenario("{policy: centroid, object: {name: can}}"), result("fell"))
-    assert "never seen" in unseen.title
-    assert "of the training set" in seen.title
-    assert "expert" in unseen.policy
-    assert "centroid" in seen.policy
+def weights(folder: Path, *objects: str) -> Path:
+    path = folder / "mine.safetensors"
+    path.write_bytes(b"")
+    path.with_suffix(".json").write_text(json.dumps({"data": {"objects": objects}}))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("name", "words"), [("can", "of its training set"), ("mug_2", "never saw")]
+)
+def test_the_title_says_whether_the_network_was_trained_on_the_object(
+    name: str, words: str, tmp_path: Path
+) -> None:
+    path = weights(tmp_path, "can", "block")
+    scenario = parse_scenario(f"{{object: {{name: {name}}}, predictor: {{weights: '{path}'}}}}")
+    told = narrate(scenario, result("fell"))
+    assert words in told.title
+    assert "network" in told.policy
+
+
+@pytest.mark.parametrize("policy", ["expert", "centroid"])
+def test_who_has_learned_nothing_has_seen_nothing(policy: str) -> None:
+    told = narrate(parse_scenario(f"{{policy: {policy}}}"), result("fell"))
+    assert told.title == "A Franka Panda pushes the mug."
+    assert policy in told.policy

@@ -1,0 +1,60 @@
+"""Where weights lie, and the card beside them: what they are and how they came about."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from keypush.errors import UserError, one_line
+from keypush.resources import weights_dir
+
+SUFFIX = ".safetensors"
+
+
+def weights_path(name_or_path: str | Path) -> Path:
+    """Finds the `.safetensors` file.
+
+    Args:
+        name_or_path: name of weights that ship with keypush, or path of a `.safetensors` file.
+
+    Raises:
+        UserError: there is none.
+    """
+    given = Path(name_or_path)
+    path = given if given.suffix == SUFFIX else weights_dir() / f"{name_or_path}{SUFFIX}"
+    if not path.is_file():
+        shipped = sorted(p.stem for p in weights_dir().glob(f"*{SUFFIX}"))
+        names = ", ".join(shipped) if shipped else "none"
+        raise UserError(
+            f"weights {str(name_or_path)!r}: no file {path}; allowed: a name in {weights_dir()} "
+            f"({names}) or the path of a {SUFFIX} file"
+        )
+    return path
+
+
+def read_card(weights: Path) -> Mapping[str, Any]:
+    """Reads the card of a `.safetensors` file, the `.json` beside it.
+
+    Raises:
+        UserError: it cannot be read or is no JSON object.
+    """
+    path = weights.with_suffix(".json")
+    try:
+        card = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise UserError(f"weights' card {path}: cannot be read: {one_line(error)}") from error
+    except ValueError as error:
+        raise UserError(f"weights' card {path}: no JSON: {one_line(error)}") from error
+    if not isinstance(card, dict):
+        raise UserError(f"weights' card {path}: found {type(card).__name__}; allowed: an object")
+    return card
+
+
+def trained_objects(name_or_path: str | Path) -> frozenset[str]:
+    """Returns the names of the objects that weights were trained on.
+
+    Raises:
+        UserError: weights or card cannot be read.
+    """
+    data = read_card(weights_path(name_or_path)).get("data", {})
+    return frozenset(data.get("objects", ()) if isinstance(data, dict) else ())
