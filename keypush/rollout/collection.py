@@ -49,21 +49,27 @@ def collect_dataset(
     """
     shards = out / SHARDS
     with hold_folder(out):
+        _refuse_others(job, out)
         if (out / INFO).exists():
-            compare_description(job, (out / INFO).parent)
             _discard(shards)
             return None
-        if (out / "job.yaml").exists():
-            raise UserError(
-                f"output folder {out}: holds episodes of another kind of run (job.yaml); "
-                "allowed: a new folder, or one of `keypush collect`"
-            )
         check_starts(job)
         _make(shards)
         store = run_job(job, shards, workers=workers, engine=engine, make_runner=make_runner)
         summaries = store.read_summaries()
         _assemble(shards, out)
     return summaries
+
+
+def _refuse_others(job: Job, out: Path) -> None:
+    """Looks now for what would be in the data set's way in the end, hours later."""
+    if (out / "job.yaml").exists():
+        raise UserError(
+            f"output folder {out}: holds episodes of another kind of run (job.yaml); "
+            "allowed: a new folder, or one of `keypush collect`"
+        )
+    if (out / "data").exists() or (out / "meta").exists():
+        compare_description(job, out / "meta")
 
 
 def _assemble(shards: Path, out: Path) -> None:

@@ -60,6 +60,17 @@ def test_a_complete_data_set_is_left_alone(complete: Path) -> None:
     assert not (complete / SHARDS).exists()
 
 
+def test_a_run_that_was_killed_while_it_assembled_goes_on(
+    shards: Path, complete: Path, tmp_path: Path
+) -> None:
+    shutil.copytree(complete, tmp_path, dirs_exist_ok=True)
+    shutil.copytree(shards, tmp_path / SHARDS)
+    (tmp_path / "meta" / "info.json").unlink()
+    shutil.rmtree(tmp_path / "data")
+    assert collect_dataset(_job(), tmp_path, workers=1) is not None
+    assert bytes_of(tmp_path) == bytes_of(complete)
+
+
 def test_a_complete_data_set_of_another_job_is_refused(complete: Path) -> None:
     with pytest.raises(UserError, match=r"meta/job\.yaml: episodes is 2 there and 3 now"):
         collect_dataset(_job(3), complete)
@@ -79,6 +90,14 @@ def test_a_folder_of_another_version_is_refused(tmp_path: Path) -> None:
 def test_a_folder_of_evaluations_is_refused(shards: Path) -> None:
     with pytest.raises(UserError, match=r"job\.yaml"):
         collect_dataset(_job(), shards)
+
+
+@pytest.mark.parametrize("name", ["data", "meta"])
+def test_what_would_be_in_the_way_is_named_before_anything_runs(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).mkdir()
+    with pytest.raises(UserError, match=r"meta/scenario\.yaml: cannot be read"):
+        collect_dataset(_job(), tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
 def test_an_object_without_a_start_is_named_before_anything_runs(tmp_path: Path) -> None:
