@@ -12,7 +12,7 @@ from keypush.rollout.job import Block, Job
 from keypush.rollout.shard import Shard
 from keypush.rollout.store import EpisodeStore, Finished
 
-SECONDS_PER_EPISODE = 0.7
+SECONDS_PER_EPISODE = 0.9
 """Of one core; see docs/collect.md."""
 BYTES_PER_EPISODE = 35_000
 """Of both files; see docs/collect.md."""
