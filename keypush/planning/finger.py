@@ -2,10 +2,10 @@
 
 import math
 
-_BEYOND = 0.0088
-"""How far the fingers' box reaches beyond E along Ez, m; see the model of the Panda."""
-_HALF_DEPTH, _HALF_WIDTH = 0.010, 0.0175
-"""Half of the box across the finger row and along it, m."""
+from keypush.robot.hand_shape import FINGERS
+
+_BEYOND = FINGERS.centre[2] + FINGERS.size[2] / 2
+"""How far the fingers reach beyond E along Ez, m."""
 
 
 def lowest_corner(pitch: float, wrist_yaw: float) -> float:
@@ -15,5 +15,6 @@ def lowest_corner(pitch: float, wrist_yaw: float) -> float:
         pitch: angle of Ez below the table plane, rad.
         wrist_yaw: angle of the finger row out of the plane of the push, rad.
     """
-    half = _HALF_WIDTH * math.cos(wrist_yaw) + _HALF_DEPTH * math.sin(wrist_yaw)
+    across, along, _ = FINGERS.size
+    half = (along * math.cos(wrist_yaw) + across * math.sin(wrist_yaw)) / 2
     return _BEYOND * math.sin(pitch) + half * math.cos(pitch)

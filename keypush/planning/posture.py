@@ -1,5 +1,6 @@
 """Which way to hold the tool for a push: turned left or right, and how steeply."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,11 +40,11 @@ def choose_posture(
     arm: ArmKinematics,
     q: Array,
     d_W: Array,
-    waypoints: list[Array],
-    pitches: list[float],
-    heights: list[float],
+    waypoints: Sequence[Array],
+    pitches: Sequence[float],
+    heights: Sequence[float],
     wrist_yaw: float,
-    sides: tuple[int, ...] = (1, -1),
+    sides: Sequence[int] = (1, -1),
 ) -> tuple[Posture, float]:
     """Chooses the first pitch and height at which the arm reaches all, with the better side.
 

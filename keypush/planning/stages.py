@@ -6,7 +6,7 @@ lag allows, which differs between integrators; a moving reference arrives at the
 time whatever the lag.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import cast
 
@@ -120,9 +120,8 @@ class PushStages:
         Where it can only be much steeper the arm is stretched, and a push does not stay low;
         where it can only be low above the start, limits of the joints are near.
         """
-        posture, error = self._choose_posture(seen)
-        steep = posture.pitch - self._pitches[0] > _MUCH_STEEPER
-        return error < REACHED and posture.height == self._config.approach_height and not steep
+        usual = [p for p in self._pitches if p - self._pitches[0] < _MUCH_STEEPER]
+        return self._choose_posture(seen, usual, _LOWER[:1])[1] < REACHED
 
     # Which stage -----------------------------------------------------------------------
 
@@ -147,23 +146,27 @@ class PushStages:
         return replace(state, stage=stage, steps=0, strikes=0, jammed=0)
 
     def _choose_posture(
-        self, seen: PushObservation, sides: tuple[int, ...] = (1, -1)
+        self,
+        seen: PushObservation,
+        pitches: Sequence[float],
+        lower: Sequence[float] = _LOWER,
+        sides: Sequence[int] = (1, -1),
     ) -> tuple[Posture, float]:
         end = seen.p_WK + max(seen.distance, 0.0) * seen.d_W
         end[2] = self._config.tool_height
         start = self._beside(seen, -self._config.approach_margin, 0.0, self._config.tool_height)
-        waypoints = [start, end]
-        heights = [share * self._config.approach_height for share in _LOWER]
+        heights = [share * self._config.approach_height for share in lower]
         return choose_posture(
-            self._arm, seen.q, seen.d_W, waypoints, self._pitches, heights, self._wrist_yaw, sides
+            self._arm, seen.q, seen.d_W, [start, end], pitches, heights, self._wrist_yaw, sides
         )
 
     def _after_rise(self, state: PlanState, seen: PushObservation) -> PlanState:
         high = seen.X_WE.translation()[2] > self._config.approach_height - _HIGH_ENOUGH
         if high or state.steps > _RISE_STEPS:
-            posture, error = self._choose_posture(seen)
+            posture, error = self._choose_posture(seen, self._pitches)
             if state.strikes:
-                other, its_error = self._choose_posture(seen, (-state.posture.side,))
+                sides = (-state.posture.side,)
+                other, its_error = self._choose_posture(seen, self._pitches, sides=sides)
                 posture = other if its_error < max(error, REACHED) else posture
             return replace(self._enter(state, Stage.APPROACH), posture=posture)
         return state

@@ -13,12 +13,15 @@ from keypush.planning.contact import finger_contact
 from keypush.planning.plan_state import PushObservation
 from keypush.planning.push_frame import push_direction
 from keypush.planning.stages import PushStages
+from keypush.robot.hand_shape import PALM
 from keypush.scenario import PlannerConfig, Scenario, TableConfig
 from keypush.seeding import make_generator
 
 Array = NDArray[np.float64]
 _TRIES = 10_000
-_REACH_TRIES = 200
+_REACH_TRIES = 50
+_PALM_DISTANCE = 0.01
+"""The palm is ten centimetres behind the tool tip, whose distance says little of it, m."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,7 @@ class StartSampler:
         arm = make_generator(seed, episode, "arm")
         for redrawn in range(_REACH_TRIES):
             X_WO, goal = self._object_and_goal(place)
-            q = self._arm_positions(arm, X_WO.translation())
+            q = self._arm_positions(arm, X_WO)
             if self._stages.reaches(self._first_sight(X_WO, goal, q)):
                 return EpisodeStart(X_WO, goal, q, redrawn)
         raise UserError(
@@ -103,15 +106,20 @@ class StartSampler:
         half = np.array([table.length, table.width]) / 2
         return bool(np.all(np.abs(p_WV[:, :2]) <= half))
 
-    def _arm_positions(self, rng: np.random.Generator, p_WO: Array) -> Array:
+    def _arm_positions(self, rng: np.random.Generator, X_WO: RigidTransform) -> Array:
         robot = self._scenario.robot
         lower, upper = np.array(robot.start_lower), np.array(robot.start_upper)
         for _ in range(_TRIES):
             q = rng.uniform(lower, upper) + rng.normal(scale=robot.start_deviation, size=len(lower))
             q = np.clip(q, self._arm.limits.lower, self._arm.limits.upper)
-            p_WE = self._arm.tool_pose(q).translation()
-            high = p_WE[2] >= robot.start_tool_height
-            if high and np.linalg.norm(p_WE - p_WO) >= robot.start_object_distance:
+            X_WE = self._arm.tool_pose(q)
+            high = X_WE.translation()[2] >= robot.start_tool_height
+            away = float(np.linalg.norm(X_WE.translation() - X_WO.translation()))
+            if not (high and away >= robot.start_object_distance):
+                continue
+            X_EO = X_WE.inverse() @ X_WO
+            p_EP = self._model.p_OP @ X_EO.rotation().matrix().T + X_EO.translation()
+            if PALM.distance(p_EP) >= _PALM_DISTANCE:
                 return np.asarray(q)
         raise UserError(
             "robot.start_lower and start_upper: no start position in that box keeps the tool "

@@ -10,10 +10,11 @@ from keypush.control.arm_kinematics import ArmKinematics
 from keypush.errors import UserError
 from keypush.objects.catalogue import catalogue_names
 from keypush.objects.library import make_object
+from keypush.robot.hand_shape import PALM
 from keypush.rollout.start import EpisodeStart, StartSampler, reachable_half_extents
 from keypush.scenario import EpisodeConfig, ObjectConfig, RobotConfig, Scenario, TableConfig
 
-DRAWS = 40
+DRAWS = 15
 
 
 def _sampler(
@@ -51,6 +52,8 @@ def test_every_start_keeps_the_scenarios_distances(name: str, size_ratio: float)
         p_WE = arm.tool_pose(start.q).translation()
         assert p_WE[2] >= robot.start_tool_height
         assert math.dist(p_WE, p_WO) >= robot.start_object_distance
+        p_EV = (p_WV - p_WE) @ arm.tool_pose(start.q).rotation().matrix()
+        assert PALM.distance(p_EV) > 0.005
         assert np.all((start.q >= arm.limits.lower) & (start.q <= arm.limits.upper))
 
 
