@@ -20,7 +20,7 @@ SEED = 4
 """Not that of the data set, nor of evaluations."""
 FEW = "block,mug,bowl,duck,candle,t_block,star_prism,tripod"
 """Objects of every kind, on which one field at a time is changed."""
-_FEW_EPISODES, _ALL_EPISODES, _NOMINAL_EPISODES = 12, 20, 100
+_FEW_EPISODES, _ALL_EPISODES, _NOMINAL_EPISODES = 6, 10, 25
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,7 @@ class Condition:
         return replace(scenario, planner=replace(scenario.planner, **dict(self.planner)))
 
 
-def _everywhere(**settings: Any) -> Condition:
-    return Condition(**{"objects": "all", "episodes": _ALL_EPISODES} | settings)
+_EVERYWHERE = Condition(objects="all", episodes=_ALL_EPISODES)
 
 
 def conditions() -> dict[str, Condition]:
@@ -63,12 +62,12 @@ def conditions() -> dict[str, Condition]:
         "reset_period": [20],
     }
     found = {
-        "tuned": _everywhere(episodes=_NOMINAL_EPISODES),
-        "size_0.75": _everywhere(size_ratio=0.75),
-        "size_1.25": _everywhere(size_ratio=1.25),
-        "com_shift": _everywhere(com_shift=0.015),
-        "reset": _everywhere(planner=(("reset_period", 20),)),
-        "thesis": _everywhere(expert="thesis"),
+        "tuned": replace(_EVERYWHERE, episodes=_NOMINAL_EPISODES),
+        "size_0.75": replace(_EVERYWHERE, size_ratio=0.75),
+        "size_1.25": replace(_EVERYWHERE, size_ratio=1.25),
+        "com_shift": replace(_EVERYWHERE, com_shift=0.015),
+        "reset": replace(_EVERYWHERE, planner=(("reset_period", 20),)),
+        "thesis": replace(_EVERYWHERE, expert="thesis"),
         "few": Condition(),
     }
     for name, values in fields.items():

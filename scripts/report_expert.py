@@ -1,0 +1,141 @@
+"""Writes the tables and plots of `docs/expert.md` from what `study_expert.py` ran.
+
+    scripts/uv.sh run scripts/report_expert.py RUNS
+
+`docs/expert.md` holds the words; what lies between its markers is replaced. The episodes go to
+`docs/results/expert.parquet`, so that every figure can be computed again.
+"""
+
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from keypush.evaluation.summary import summarise
+from keypush.objects.catalogue import catalogue_names
+
+mpl.use("Agg")
+import matplotlib.pyplot as plt
+
+DOCS = Path(__file__).parent.parent / "docs"
+_COLUMNS = ["object", "size_ratio", "seed", "episode", "success", "settled_success", "outcome",
+            "steps", "redrawn", "com_capped"]  # fmt: skip
+_EVERYWHERE = ("tuned", "size_0.75", "size_1.25", "com_shift", "reset", "thesis")
+_ONE_FIELD = "few"
+
+Episodes = list[dict[str, Any]]
+
+
+def read_runs(runs: Path) -> dict[str, Episodes]:
+    """Reads the finished episodes of every condition, by its folder's name."""
+    found = {}
+    for folder in sorted(path for path in runs.iterdir() if (path / "episodes").is_dir()):
+        tables = [pq.read_table(file) for file in sorted((folder / "episodes").glob("*.parquet"))]
+        if tables:
+            found[folder.name] = pa.concat_tables(tables).select(_COLUMNS).to_pylist()
+    return found
+
+
+def condition_table(runs: dict[str, Episodes], names: list[str]) -> str:
+    """Returns one Markdown row per condition."""
+    lines = [
+        (
+            "| condition | episodes | success (95 % interval) | settled | worst object | toppled "
+            "| fell | timed out | steps | starts dropped |"
+        ),
+        "|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for name in names:
+        episodes = runs[name]
+        summary = summarise(episodes)
+        low, high = summary["wilson95"]
+        worst = min(summary["objects"].items(), key=lambda item: item[1]["success_rate"])
+        steps = [e["steps"] for e in episodes if e["success"]]
+        dropped = sum(e["redrawn"] for e in episodes)
+        failures = [summary["failures"].get(kind, 0) for kind in ("toppled", "fell", "timed_out")]
+        cells = [
+            f"`{name}`",
+            str(len(episodes)),
+            f"{summary['success_rate']:.1%} ({low:.1%} to {high:.1%})",
+            f"{summary['settled_success_rate']:.1%}",
+            f"{worst[0]} {worst[1]['successes']}/{worst[1]['episodes']}",
+            *map(str, failures),
+            f"{np.mean(steps):.0f}",
+            f"{dropped / (len(episodes) + dropped):.1%}",
+        ]
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def object_table(runs: dict[str, Episodes], names: list[str]) -> str:
+    """Returns one Markdown row per object: successes under every condition."""
+    lines = [
+        f"| object | {' | '.join(f'`{name}`' for name in names)} |",
+        "|---" * (len(names) + 1) + "|",
+    ]
+    summaries = {name: summarise(runs[name])["objects"] for name in names}
+    for shape in catalogue_names():
+        cells = []
+        for name in names:
+            mine = summaries[name].get(shape)
+            cells.append(f"{mine['successes']}/{mine['episodes']}" if mine else "")
+        lines.append(f"| {shape} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def draw(runs: dict[str, Episodes], names: list[str], path: Path) -> None:
+    """Draws success with its interval, and steps to the goal, by condition."""
+    figure, (rates, steps) = plt.subplots(1, 2, figsize=(10, 0.32 * len(names) + 1.2), sharey=True)
+    for row, name in enumerate(names):
+        summary = summarise(runs[name])
+        low, high = summary["wilson95"]
+        rate = summary["success_rate"]
+        rates.errorbar(
+            rate, row, xerr=[[rate - low], [high - rate]], fmt="o", color="tab:blue", capsize=3
+        )
+        taken = [e["steps"] for e in runs[name] if e["success"]]
+        steps.boxplot(
+            taken, positions=[row], orientation="horizontal", widths=0.6, showfliers=False
+        )
+    rates.set_yticks(range(len(names)), names)
+    rates.invert_yaxis()
+    rates.set_xlabel("success, 95 % Wilson interval")
+    steps.set_yticks(range(len(names)), names)
+    steps.set_xlabel("policy steps to the goal")
+    for axes in (rates, steps):
+        axes.grid(axis="x", alpha=0.3)
+    figure.tight_layout()
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def _replace(text: str, marker: str, content: str) -> str:
+    pattern = rf"(<!-- {marker} -->\n).*?(<!-- end -->)"
+    return re.sub(pattern, lambda match: f"{match[1]}{content}\n{match[2]}", text, flags=re.S)
+
+
+def main() -> None:
+    """Replaces tables, plots and records."""
+    runs = read_runs(Path(sys.argv[1]))
+    everywhere = [name for name in _EVERYWHERE if name in runs]
+    fields = sorted(name for name in runs if name.startswith(_ONE_FIELD))
+    page = DOCS / "expert.md"
+    text = page.read_text(encoding="utf-8")
+    text = _replace(text, "conditions", condition_table(runs, everywhere))
+    text = _replace(text, "objects", object_table(runs, everywhere))
+    text = _replace(text, "fields", condition_table(runs, fields))
+    page.write_text(text, encoding="utf-8")
+    draw(runs, [*everywhere, *fields], DOCS / "expert.png")
+    rows = [{"condition": name, **e} for name in [*everywhere, *fields] for e in runs[name]]
+    pq.write_table(
+        pa.Table.from_pylist(rows), DOCS / "results" / "expert.parquet", compression="zstd"
+    )
+
+
+if __name__ == "__main__":
+    main()
