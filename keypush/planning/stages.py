@@ -47,6 +47,9 @@ _JAMMED_STEPS = 15
 _LOW_PATH_BEHIND = 0.02
 _LOW_PATH_BESIDE = 0.06
 _RETREAT_STEPS = 15
+_CLEAR = 0.025
+"""A retreat goes at least so far behind the contact, m: a tool that rises while it still touches
+the object lifts it."""
 _START_ABOVE = 0.005
 """A push starts this much above its height, m."""
 _SCRAPE = 0.0025
@@ -200,7 +203,7 @@ class PushStages:
     def _after_push(self, state: PlanState, seen: PushObservation) -> PlanState:
         if seen.reset_offset is not None:
             forward, left = seen.reset_offset
-            p_WT = self._beside(seen, forward, left, self._height(state))
+            p_WT = self._beside(seen, min(forward, -_CLEAR), left, self._height(state))
             return replace(self._enter(state, Stage.RETREAT), p_WT=p_WT)
         off = seen.X_WE.translation() - seen.p_WK
         missed = abs(off @ left_of(seen.d_W)) > self._config.reapproach_error

@@ -248,6 +248,13 @@ def test_a_reset_retreats_to_its_offset_and_comes_again(offset: tuple[float, flo
     tool.run(Stage.PUSH)
 
 
+def test_a_reset_lets_go_of_the_object_wherever_its_noise_puts_it() -> None:
+    tool = _pushing()
+    step = tool.step(reset_by(0.0, 0.05))
+    behind = (step.after.p_WT - step.seen.p_WK) @ step.seen.d_W
+    assert behind < -0.02
+
+
 def test_a_reset_is_for_pushing_only() -> None:
     tool = IdealTool(CONTACT, GOALS[0])
     tool.run(Stage.APPROACH)
