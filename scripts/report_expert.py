@@ -65,7 +65,7 @@ def condition_table(runs: dict[str, Episodes], names: list[str]) -> str:
             f"{summary['settled_success_rate']:.1%}",
             f"{worst[0]} {worst[1]['successes']}/{worst[1]['episodes']}",
             *map(str, failures),
-            f"{np.mean(steps):.0f}",
+            f"{np.mean(steps):.0f}" if steps else "-",
             f"{dropped / (len(episodes) + dropped):.1%}",
         ]
         lines.append(f"| {' | '.join(cells)} |")
