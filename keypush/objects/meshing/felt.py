@@ -23,6 +23,8 @@ _TIPPING_DIRECTIONS = np.linspace(0.0, 2 * np.pi, 36, endpoint=False)
 _LINES = 40
 _MOST_TILT = 0.02
 """rad"""
+_NOTHING = 1e-30
+"""Stands for the first moment of no area at all, m^3."""
 
 
 def felt_points(mesh: trimesh.Trimesh, R_WO: RotationMatrix) -> Array:
@@ -91,7 +93,7 @@ def tipping_reach(
         s = felt @ np.array([np.cos(angle), np.sin(angle)])
         lines = s.max() - np.geomspace(1e-5, max(float(np.ptp(s)), 2e-5), _LINES)
         moments = np.clip(s - lines[:, None], 0.0, None) * areas
-        total = moments.sum(axis=1)
+        total = np.maximum(moments.sum(axis=1), _NOTHING)
         tilt = weight / (stiffness * total)
         place = (moments @ s) / total - com_height * tilt
         # The last line has everything beyond it, so that it tilts least.
