@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from keypush.dataset.poses import rotations
 from keypush.objects.library import make_object
+from keypush.planning.plan_state import Stage
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -26,7 +27,6 @@ from matplotlib.patches import Circle
 Array = NDArray[np.float64]
 
 _SHOWN = "glass"
-_PUSH = 4
 _HEAD = """| | episodes | frames | frames an episode | spread of the low tool along the push, cm
 | beside it, cm | beside it while pushing, cm | directions around the object |""".replace("\n", " ")
 _COLOURS = {"without resets": "tab:blue", "with resets": "tab:orange"}
@@ -80,7 +80,7 @@ def tell(name: str, frames: pl.DataFrame) -> str:
         np.mean(sectors.group_by("object").agg(pl.col("sector").n_unique())["sector"].to_numpy())
         / 36
     )
-    pushing = near.filter(pl.col("stage") == _PUSH)
+    pushing = near.filter(pl.col("stage") == Stage.PUSH)
     push_left = in_push_frame(pushing, points(pushing, "observation.tool_pose")[:, 4:])[:, 1]
     episodes = frames["episode_index"].n_unique()
     cells = [
@@ -93,7 +93,7 @@ def tell(name: str, frames: pl.DataFrame) -> str:
 
 def draw_contacts(axes: Axes, frames: pl.DataFrame) -> None:
     """One episode's object from above, with the contacts that were meant and those that were."""
-    pushing = frames.filter((pl.col("object") == _SHOWN) & (pl.col("stage") == _PUSH))
+    pushing = frames.filter((pl.col("object") == _SHOWN) & (pl.col("stage") == Stage.PUSH))
     first = pushing["episode_index"].min()
     pushing = pushing.filter(pl.col("episode_index") == first)
     touching = pushing.filter(pl.col("contact.measured").arr.get(0).is_not_nan())
@@ -146,7 +146,7 @@ def draw_deviation(axes: Axes, data: dict[str, pl.DataFrame]) -> None:
     """How far beside the aimed contact the measured one was."""
     for name, frames in data.items():
         near = frames.filter(
-            (pl.col("stage") == _PUSH) & pl.col("contact.measured").arr.get(0).is_not_nan()
+            (pl.col("stage") == Stage.PUSH) & pl.col("contact.measured").arr.get(0).is_not_nan()
         )
         beside = in_push_frame(near, points(near, "contact.measured"))[:, 1]
         beside = beside[np.isfinite(beside)]

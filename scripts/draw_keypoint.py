@@ -11,10 +11,10 @@ from matplotlib.patches import Circle, Polygon
 from numpy.typing import NDArray
 
 from keypush.dataset.frames import Columns, frames_of_episode
-from keypush.dataset.keypoint import PUSH
 from keypush.objects.library import make_object
 from keypush.objects.model import ObjectModel
 from keypush.objects.point_cloud import pose_from_vector
+from keypush.planning.plan_state import Stage
 from keypush.rollout.episode import EpisodeRunner
 from keypush.rollout.parquet import table_from_rows
 from keypush.scenario import parse_scenario
@@ -32,7 +32,7 @@ def main() -> None:
     scenario = parse_scenario(SCENARIO)
     result = EpisodeRunner(scenario).run(EPISODE)
     frames = frames_of_episode(table_from_rows([result.rows]), success=True)
-    touches = np.isfinite(frames["contact.measured"]).all(axis=1) & (frames["stage"] == PUSH)
+    touches = np.isfinite(frames["contact.measured"]).all(axis=1) & (frames["stage"] == Stage.PUSH)
     first, last = np.flatnonzero(touches)[[0, -1]]
     middle = np.flatnonzero(touches)[touches.sum() // 2]
     model = make_object(OBJECT)

@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from keypush.dataset.keypoint import HALTED, keypoints
+from keypush.dataset.keypoint import keypoints
 from keypush.learning.rows import Rows
+from keypush.planning.plan_state import Stage
 
 
 def make_labels(rows: Rows, label: str) -> NDArray[np.float64]:
@@ -19,5 +20,5 @@ def make_labels(rows: Rows, label: str) -> NDArray[np.float64]:
     if label == "measured":
         return keypoints(rows.stage, rows.object_pose, rows.contact_point, rows.episode)
     p_WK = rows.target.copy()
-    p_WK[rows.stage == HALTED] = np.nan
+    p_WK[rows.stage == Stage.HALTED] = np.nan
     return p_WK

@@ -2,8 +2,9 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from pydrake.math import RigidTransform
 
-from keypush.planning.push_frame import left_of
+from keypush.planning.push_frame import left_of, push_direction
 
 Array = NDArray[np.float64]
 
@@ -11,6 +12,22 @@ _HALF_WIDTH = 0.02
 """Half the finger's width and its lateral error, m."""
 _BAND = (0.012, 0.04)
 """Heights at which the pitched finger can touch, m; the lower is the contact's own."""
+
+
+def push_through_com(
+    p_OP: Array, X_WO: RigidTransform, p_WOcm: Array, goal_W: Array
+) -> tuple[Array, Array, float]:
+    """Returns contact p_WK (3,), direction d_W (3,) and distance to the goal of the expert's push.
+
+    Args:
+        p_OP: (N, 3) points on the object's surface in O, m.
+        X_WO: pose of the object.
+        p_WOcm: (3,) centre of mass in W, from which the distance counts.
+        goal_W: (2,) goal xy in W, m.
+    """
+    p_WP = p_OP @ X_WO.rotation().matrix().T + X_WO.translation()
+    d_W = push_direction(p_WOcm, goal_W)
+    return finger_contact(p_WP, p_WOcm, d_W), d_W, float(np.hypot(*(goal_W - p_WOcm[:2])))
 
 
 def finger_contact(p_WP: Array, p_WOcm: Array, d_W: Array) -> Array:

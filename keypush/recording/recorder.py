@@ -2,12 +2,14 @@
 
 import gc
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from pydrake.geometry import Meshcat, MeshcatParams
+from numpy.typing import NDArray
+from pydrake.geometry import Meshcat, MeshcatParams, Rgba
 
 from keypush.dataset.clouds import episode_clouds
 from keypush.recording.narration import Narration, narrate
@@ -22,11 +24,7 @@ from keypush.recording.scenery import GOAL_COLOUR, add_scenery
 from keypush.rollout.episode import EpisodeResult, EpisodeRunner
 from keypush.scenario import Scenario
 
-_LEGEND = (
-    (GOAL_COLOUR, "goal"),
-    (CLOUD_COLOUR, "point cloud"),
-    (KEYPOINT_COLOUR, "keypoint and direction of the push"),
-)
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -67,7 +65,12 @@ def _record(scenario: Scenario, episode: int) -> Recording:
     visualizer.StartRecording(set_transforms_while_recording=False)
     result = runner.run(episode)
     visualizer.StopRecording()
-    _add_observations(meshcat, runner, result)
+    rows = result.rows
+    poses, targets = (np.asarray(rows[name], dtype=float) for name in ("object_pose", "target"))
+    # A row is logged before the planner acts on it: its keypoint stands in the next row.
+    keypoints = np.concatenate([targets[1:], targets[-1:]])
+    goal = np.asarray(rows["goal"][0], dtype=float)
+    add_observations(meshcat, runner.scenario, result.summary, poses, keypoints, goal)
     narration = narrate(scenario, result)
     meshcat.PublishRecording()
     story = [narration.policy, narration.outcome]
@@ -75,17 +78,36 @@ def _record(scenario: Scenario, episode: int) -> Recording:
     return Recording(result, narration, html)
 
 
-def _add_observations(meshcat: Meshcat, runner: EpisodeRunner, result: EpisodeResult) -> None:
-    scenario, rows = runner.scenario, result.rows
-    goal = np.asarray(rows["goal"][0], dtype=float)
-    poses = np.asarray(rows["object_pose"], dtype=float)
+def add_observations(
+    meshcat: Meshcat,
+    scenario: Scenario,
+    told: Mapping[str, Any],
+    poses: Array,
+    keypoints: Array,
+    goal: Array,
+) -> None:
+    """Adds to a recording what does not move by itself: scenery, clouds, keypoint.
+
+    Args:
+        meshcat: has the recording.
+        scenario: of the episode.
+        told: of the episode: object, size_ratio, seed and episode.
+        poses: X_WO of every frame, (n, 7).
+        keypoints: p_WK of every frame, (n, 3), m; NaN where there is none.
+        goal: (2,) goal xy in W, m.
+    """
     add_scenery(meshcat, scenario, poses[0, 4:6], goal)
-    clouds = episode_clouds(scenario.noise, result.summary, poses)
     animation = meshcat.get_mutable_recording()
-    animate_clouds(meshcat, animation, clouds)
-    # A row is logged before the planner acts on it: its keypoint stands in the next row.
-    targets = np.asarray(rows["target"], dtype=float)
-    animate_keypoint(meshcat, animation, np.concatenate([targets[1:], targets[-1:]]), goal)
+    animate_clouds(meshcat, animation, episode_clouds(scenario.noise, told, poses))
+    animate_keypoint(meshcat, animation, keypoints, goal)
+
+
+def legend(keypoint: str) -> tuple[tuple[Rgba, str], ...]:
+    """Returns the legend of a page; `keypoint` says what its keypoint is."""
+    return ((GOAL_COLOUR, "goal"), (CLOUD_COLOUR, "point cloud"), (KEYPOINT_COLOUR, keypoint))
+
+
+_LEGEND = legend("keypoint and direction of the push")
 
 
 def make_meshcat() -> Meshcat:

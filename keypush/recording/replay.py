@@ -12,30 +12,18 @@ from pydrake.systems.framework import DiagramBuilder
 
 from diagrams.station import MakePushStation
 from keypush.dataset.arrays import to_array
-from keypush.dataset.clouds import episode_clouds
 from keypush.dataset.episode_scenario import episode_scenario
 from keypush.dataset.read import DataSet
 from keypush.objects.library import make_object
 from keypush.objects.point_cloud import pose_from_vector
 from keypush.recording.narration import narrate
-from keypush.recording.observations import (
-    CLOUD_COLOUR,
-    KEYPOINT_COLOUR,
-    animate_clouds,
-    animate_keypoint,
-)
 from keypush.recording.page import dress_page
-from keypush.recording.recorder import make_meshcat
-from keypush.recording.scenery import GOAL_COLOUR, add_scenery
+from keypush.recording.recorder import add_observations, legend, make_meshcat
 from keypush.robot.panda import NUM_JOINTS
 from keypush.rollout.episode import EpisodeResult
 from keypush.scenario import Scenario
 
-_LEGEND = (
-    (GOAL_COLOUR, "goal"),
-    (CLOUD_COLOUR, "point cloud"),
-    (KEYPOINT_COLOUR, "keypoint, the label, and direction to the goal"),
-)
+_LEGEND = legend("keypoint, the label, and direction to the goal")
 
 Array = NDArray[np.float64]
 
@@ -60,11 +48,8 @@ def _replay(scenario: Scenario, told: dict[str, Any], frames: pa.Table) -> str:
     goal = to_array(frames["observation.goal"])[0].astype(np.float64)
     meshcat = make_meshcat()
     _record(meshcat, scenario, q, poses)
-    add_scenery(meshcat, scenario, poses[0, 4:6], goal)
-    animation = meshcat.get_mutable_recording()
-    animate_clouds(meshcat, animation, episode_clouds(scenario.noise, told, poses))
     keypoints = to_array(frames["keypoint"]).astype(np.float64)
-    animate_keypoint(meshcat, animation, keypoints, goal)
+    add_observations(meshcat, scenario, told, poses, keypoints, goal)
     meshcat.PublishRecording()
     summary = {**told, "final_position": poses[-1, 4:]}
     seconds = (len(frames) - 1) * scenario.episode.policy_period

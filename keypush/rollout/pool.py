@@ -8,7 +8,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
-from types import TracebackType
 from typing import Self
 
 from keypush.rollout.engine import Event, Lost, raise_failure
@@ -69,12 +68,7 @@ class LocalEngine:
         """Processes start when there is a block for each."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Ends the processes."""
         for worker in self._workers:
             worker.process.terminate()

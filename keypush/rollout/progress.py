@@ -3,7 +3,6 @@
 import shutil
 import sys
 from collections.abc import Mapping
-from types import TracebackType
 from typing import Self
 
 from tqdm import tqdm
@@ -41,12 +40,7 @@ class Progress:
         )  # fmt: skip
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Leaves the bar on the screen as it is."""
         self._bar.close()
 

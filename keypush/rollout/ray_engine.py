@@ -6,7 +6,6 @@ import platform
 import socket
 from collections.abc import Iterator
 from dataclasses import dataclass
-from types import TracebackType
 from typing import Any, Self
 
 import ray
@@ -98,12 +97,7 @@ class RayEngine:
         self.workers = cores if self._most is None else min(self._most, cores)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Ends the actors, and the connection if it was made here."""
         for running in self._running.values():
             ray.kill(running.actor)

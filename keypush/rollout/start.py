@@ -9,9 +9,8 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.errors import UserError
 from keypush.objects.model import ObjectModel
-from keypush.planning.contact import finger_contact
+from keypush.planning.contact import push_through_com
 from keypush.planning.plan_state import PushObservation
-from keypush.planning.push_frame import push_direction
 from keypush.planning.stages import PushStages
 from keypush.robot.hand_shape import PALM
 from keypush.scenario import PlannerConfig, Scenario, TableConfig
@@ -74,16 +73,10 @@ class StartSampler:
 
     def _first_sight(self, X_WO: RigidTransform, goal: Array, q: Array) -> PushObservation:
         """What the expert sees at the start."""
-        R_WO, p_WO = X_WO.rotation().matrix(), X_WO.translation()
-        p_WOcm = R_WO @ self._model.p_OoOcm_O + p_WO
-        d_W = push_direction(p_WOcm, goal)
-        return PushObservation(
-            q=q,
-            X_WE=self._arm.tool_pose(q),
-            p_WK=finger_contact(self._model.p_OP @ R_WO.T + p_WO, p_WOcm, d_W),
-            d_W=d_W,
-            distance=float(np.hypot(*(goal - p_WOcm[:2]))) - self._scenario.episode.goal_radius,
-        )
+        p_WOcm = X_WO.rotation().matrix() @ self._model.p_OoOcm_O + X_WO.translation()
+        p_WK, d_W, distance = push_through_com(self._model.p_OP, X_WO, p_WOcm, goal)
+        left = distance - self._scenario.episode.goal_radius
+        return PushObservation(q, self._arm.tool_pose(q), p_WK, d_W, left)
 
     def _object_and_goal(self, rng: np.random.Generator) -> tuple[RigidTransform, Array]:
         table, config = self._scenario.table, self._scenario.episode

@@ -8,9 +8,8 @@ from pydrake.systems.framework import Context
 
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.eval_ports import eval_abstract, eval_vector
-from keypush.planning.contact import finger_contact
+from keypush.planning.contact import push_through_com
 from keypush.planning.plan_state import PlanState, Stage
-from keypush.planning.push_frame import push_direction
 from keypush.scenario import ControlConfig, PlannerConfig, TableConfig
 from keypush.systems.episode_seed import declare_episode_seed, episode_generator, policy_step
 from keypush.systems.staged_planner import SHORT_OF_GOAL, StagedPlanner
@@ -82,10 +81,8 @@ class ExpertPlanner(StagedPlanner):
         X_WO: RigidTransform = eval_abstract(self._object_pose, context)
         p_WOcm = eval_vector(self._object_com, context)
         goal = eval_vector(self._goal, context)
-        p_WP = self._p_OP_O @ X_WO.rotation().matrix().T + X_WO.translation()
-        d_W = push_direction(p_WOcm, goal)
-        distance = float(np.hypot(*(goal - p_WOcm[:2]))) - SHORT_OF_GOAL
-        return finger_contact(p_WP, p_WOcm, d_W), d_W, distance
+        p_WK, d_W, distance = push_through_com(self._p_OP_O, X_WO, p_WOcm, goal)
+        return p_WK, d_W, distance - SHORT_OF_GOAL
 
     def _reset_offset(self, context: Context, state: PlanState) -> NDArray[np.float64] | None:
         period = self._config.reset_period

@@ -10,7 +10,6 @@ from scipy.spatial.transform import Rotation
 
 from keypush.dataset.arrays import to_array
 from keypush.dataset.check import check_dataset
-from keypush.dataset.keypoint import HALTED, PUSH
 from keypush.dataset.poses import rotations
 from keypush.dataset.read import open_dataset
 from keypush.learning.labels import make_labels
@@ -18,7 +17,7 @@ from keypush.learning.rows import Rows, read_rows
 from keypush.learning.scenes import scene_table
 from keypush.planning.plan_state import Stage
 
-APPROACH, RETREAT = 1, 5
+APPROACH, PUSH, RETREAT, HALTED = 1, 4, 5, 6
 NONE = [np.nan] * 3
 
 

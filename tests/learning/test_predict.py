@@ -125,9 +125,14 @@ def test_bad_weights_are_named(tmp_path: Path) -> None:
         load_keypoint_model(path)
     save_network(make_network(SMALL), path, {})
     description = path.with_suffix(".json")
-    for text in ["{", "[]", '{"network": {"no_such_size": 1}}']:
+    for text, told in [
+        ("{", "no JSON"),
+        ("[]", "found list; allowed: an object"),
+        ("{}", "expected the sizes of the network under 'network'"),
+        ('{"network": {"no_such_size": 1}}', "expected the sizes of the network under 'network'"),
+    ]:
         description.write_text(text)
-        with pytest.raises(UserError, match=r"some\.json: (expected|found|no JSON)"):
+        with pytest.raises(UserError, match=rf"some\.json: {told}"):
             load_keypoint_model(path)
     description.unlink()
     with pytest.raises(UserError, match=r"some\.json: cannot be read"):
