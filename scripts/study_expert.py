@@ -20,7 +20,7 @@ SEED = 4
 """Not that of the data set, nor of evaluations."""
 FEW = "block,mug,bowl,duck,candle,t_block,star_prism,tripod"
 """Objects of every kind, on which one field at a time is changed."""
-_FEW_EPISODES, _ALL_EPISODES, _NOMINAL_EPISODES = 6, 10, 25
+_FEW_EPISODES, _ALL_EPISODES, _TRAIN_EPISODES, _NOMINAL_EPISODES = 6, 10, 50, 100
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,7 @@ class Condition:
     planner: tuple[tuple[str, Any], ...] = ()
     size_ratio: float = 1.0
     com_shift: float = 0.0
+    integrator: str = "cenic"
     objects: str = FEW
     episodes: int = _FEW_EPISODES
 
@@ -41,6 +42,7 @@ class Condition:
             plain,
             object=replace(plain.object, size_ratio=self.size_ratio),
             variation=replace(plain.variation, com_shift=self.com_shift),
+            simulation=replace(plain.simulation, integrator=self.integrator),
         )
         scenario = expert_scenario(plain, self.expert)
         return replace(scenario, planner=replace(scenario.planner, **dict(self.planner)))
@@ -59,6 +61,7 @@ def conditions() -> dict[str, Condition]:
         "lateral_gain": [0.0, 2.0],
         "reapproach_error": [0.008, 0.2],
         "approach_margin": [0.02, 0.06],
+        "wait_tilt_deg": [90.0],
         "reset_period": [20],
     }
     found = {
@@ -68,6 +71,8 @@ def conditions() -> dict[str, Condition]:
         "com_shift": replace(_EVERYWHERE, com_shift=0.015),
         "reset": replace(_EVERYWHERE, planner=(("reset_period", 20),)),
         "thesis": replace(_EVERYWHERE, expert="thesis"),
+        # Against the first episodes of "tuned": the reference with small fixed steps.
+        "discrete": Condition(objects="train", integrator="discrete", episodes=_TRAIN_EPISODES),
         "few": Condition(),
     }
     for name, values in fields.items():

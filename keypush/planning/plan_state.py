@@ -41,6 +41,12 @@ class PlanState:
     a tool that rises because it was stuck, 1."""
     jammed: int
     """Consecutive steps of a push in which the tool is held too high to push."""
+    stalled: int
+    """Steps since a push last came nearer to its end."""
+    waiting: int
+    """Steps that a push still gives way to an object that tilts."""
+    waits: int
+    """How often the pushes of this episode gave way."""
     posture: Posture
     """How the tool is held."""
     R_WR: RotationMatrix
@@ -49,15 +55,21 @@ class PlanState:
     """(3,) position of the reference."""
     p_WT: Array
     """(3,) where a retreat goes."""
+    nearest: float
+    """The least distance that was left in this push, m."""
+    tilt: float
+    """Of the object in the last step, rad."""
 
-    SIZE = 17
+    SIZE = 22
 
     def to_vector(self) -> Array:
         """Packs the state for a Context."""
         quaternion = self.R_WR.ToQuaternion().wxyz()
         posture = [self.posture.side, self.posture.pitch, self.posture.height]
-        counts = [self.stage, self.steps, self.strikes, self.jammed]
-        return np.concatenate([counts, posture, quaternion, self.p_WR, self.p_WT])
+        counts = [self.stage, self.steps, self.strikes, self.jammed, self.stalled]
+        waits = [self.waiting, self.waits]
+        last = [self.nearest, self.tilt]
+        return np.concatenate([counts, waits, posture, quaternion, self.p_WR, self.p_WT, last])
 
     @staticmethod
     def from_vector(x: Array) -> "PlanState":
@@ -67,17 +79,36 @@ class PlanState:
             steps=round(x[1]),
             strikes=round(x[2]),
             jammed=round(x[3]),
-            posture=Posture(round(x[4]), float(x[5]), float(x[6])),
-            R_WR=RotationMatrix(Quaternion(x[7:11])),
-            p_WR=np.array(x[11:14]),
-            p_WT=np.array(x[14:17]),
+            stalled=round(x[4]),
+            waiting=round(x[5]),
+            waits=round(x[6]),
+            posture=Posture(round(x[7]), float(x[8]), float(x[9])),
+            R_WR=RotationMatrix(Quaternion(x[10:14])),
+            p_WR=np.array(x[14:17]),
+            p_WT=np.array(x[17:20]),
+            nearest=float(x[20]),
+            tilt=float(x[21]),
         )
 
     @staticmethod
     def start(X_WE: RigidTransform) -> "PlanState":
         """The state at the start of an episode: the reference is the tool itself."""
         p_WE = X_WE.translation()
-        return PlanState(Stage.RISE, 0, 0, 0, UNDECIDED, X_WE.rotation(), p_WE, p_WE)
+        return PlanState(
+            stage=Stage.RISE,
+            steps=0,
+            strikes=0,
+            jammed=0,
+            stalled=0,
+            waiting=0,
+            waits=0,
+            posture=UNDECIDED,
+            R_WR=X_WE.rotation(),
+            p_WR=p_WE,
+            p_WT=p_WE,
+            nearest=np.inf,
+            tilt=0.0,
+        )
 
 
 @dataclass(frozen=True)
@@ -98,3 +129,5 @@ class PushObservation:
     """Whether the tool must stop."""
     reset_offset: Array | None = None
     """(2,) displacement from the contact, along d and to its left, of a wanted retreat."""
+    tilt: float = 0.0
+    """Angle of the object from where it rested at the start, rad; 0 where it is not known."""

@@ -16,6 +16,7 @@ EXPERTS: dict[str, dict[str, Any]] = {
         "approach_margin": 0.01,
         "lateral_gain": 0.0,
         "reapproach_error": 0.2,
+        "wait_tilt_deg": 90.0,
         "reset_period": 20,
     },
 }

@@ -42,6 +42,19 @@ _ARRIVED = 0.003
 _REAPPROACH_STEPS = 3
 _JAMMED_STEPS = 15
 """So long pressing down may take to let a risen tool down again."""
+_STALLED_STEPS = 30
+_WAY = 0.002
+"""A push that comes no nearer to its end than this in so many steps is barred, m."""
+_WAIT_STEPS = 6
+_TILT_GROWS = np.deg2rad(0.15)
+"""Growth of the tilt in a policy step at which a push gives way."""
+_UPRIGHT_AGAIN = np.deg2rad(0.7)
+_TILT_MORE = np.deg2rad(0.2)
+_TILT_MOST = np.deg2rad(2.0)
+"""Each time that a push gave way it bears so much more tilt the next time, up to the latter: some
+objects lean on the finger while they are pushed, and would never arrive."""
+_GIVE_WAY = 0.02
+"""How far behind the tool its reference is while it gives way, m."""
 # After a retreat the tool stays low if it is this far behind the contact, and not farther
 # than this beside the line of the push; else it goes over the object.
 _LOW_PATH_BEHIND = 0.02
@@ -146,7 +159,9 @@ class PushStages:
     def _enter(state: PlanState, stage: Stage) -> PlanState:
         if state.stage == stage:
             return state
-        return replace(state, stage=stage, steps=0, strikes=0, jammed=0)
+        return replace(
+            state, stage=stage, steps=0, strikes=0, jammed=0, stalled=0, waiting=0, nearest=np.inf
+        )
 
     def _choose_posture(
         self,
@@ -205,19 +220,39 @@ class PushStages:
             forward, left = seen.reset_offset
             p_WT = self._beside(seen, min(forward, -_CLEAR), left, self._height(state))
             return replace(self._enter(state, Stage.RETREAT), p_WT=p_WT)
-        off = seen.X_WE.translation() - seen.p_WK
-        missed = abs(off @ left_of(seen.d_W)) > self._config.reapproach_error
-        risen = self._push_share(state, seen.X_WE.translation()) == 0.0
-        state = replace(
-            state,
-            strikes=state.strikes + 1 if missed else 0,
-            jammed=state.jammed + 1 if risen else 0,
-        )
-        if state.strikes < _REAPPROACH_STEPS and state.jammed < _JAMMED_STEPS:
+        state = self._heed_tilt(self._count_troubles(state, seen), seen)
+        if state.strikes < _REAPPROACH_STEPS and not self._barred(state):
             return state
         p_WT = seen.X_WE.translation() - self._config.approach_margin * self._heading(seen)
         p_WT[2] = self._height(state)
         return replace(self._enter(state, Stage.RETREAT), p_WT=p_WT)
+
+    @staticmethod
+    def _barred(state: PlanState) -> bool:
+        return state.jammed >= _JAMMED_STEPS or state.stalled >= _STALLED_STEPS
+
+    def _count_troubles(self, state: PlanState, seen: PushObservation) -> PlanState:
+        off = seen.X_WE.translation() - seen.p_WK
+        missed = abs(off @ left_of(seen.d_W)) > self._config.reapproach_error
+        risen = self._push_share(state, seen.X_WE.translation()) == 0.0
+        nearer = seen.distance < state.nearest - _WAY
+        return replace(
+            state,
+            strikes=state.strikes + 1 if missed else 0,
+            jammed=state.jammed + 1 if risen else 0,
+            stalled=0 if nearer else state.stalled + 1,
+            nearest=seen.distance if nearer else state.nearest,
+        )
+
+    def _heed_tilt(self, state: PlanState, seen: PushObservation) -> PlanState:
+        """Gives way for a while to an object that tilts more and more: so it falls back."""
+        waiting, waits = state.waiting, state.waits
+        borne = np.deg2rad(self._config.wait_tilt_deg) + min(waits * _TILT_MORE, _TILT_MOST)
+        if waiting:
+            waiting = 0 if seen.tilt < _UPRIGHT_AGAIN else waiting - 1
+        elif seen.tilt > borne and seen.tilt - state.tilt > _TILT_GROWS:
+            waiting, waits = _WAIT_STEPS, waits + 1
+        return replace(state, tilt=seen.tilt, waiting=waiting, waits=waits)
 
     def _after_retreat(self, state: PlanState, seen: PushObservation) -> PlanState:
         p_WE = seen.X_WE.translation()
@@ -265,7 +300,10 @@ class PushStages:
 
     def _move(self, state: PlanState, seen: PushObservation) -> Array:
         free = self._config.free_speed * self._period
-        if state.stage == Stage.PUSH:
+        if state.waiting:
+            target = seen.X_WE.translation() - _GIVE_WAY * seen.d_W
+            step = free
+        elif state.stage == Stage.PUSH:
             target = self._push_target(state, seen)
             step = self._config.push_speed * self._period
         elif state.stage == Stage.RISE:

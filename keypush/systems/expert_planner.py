@@ -84,6 +84,10 @@ class ExpertPlanner(StagedPlanner):
         p_WK, d_W, distance = push_through_com(self._p_OP_O, X_WO, p_WOcm, goal)
         return p_WK, d_W, distance - SHORT_OF_GOAL
 
+    def _up(self, context: Context) -> NDArray[np.float64]:
+        X_WO: RigidTransform = eval_abstract(self._object_pose, context)
+        return np.asarray(X_WO.rotation().matrix()[2])
+
     def _reset_offset(self, context: Context, state: PlanState) -> NDArray[np.float64] | None:
         period = self._config.reset_period
         if period == 0 or state.stage != Stage.PUSH or state.steps < period:

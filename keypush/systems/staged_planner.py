@@ -21,6 +21,7 @@ _PLAN = slice(0, PlanState.SIZE)
 _ACTION = slice(PlanState.SIZE, PlanState.SIZE + 6)
 _TARGET = slice(_ACTION.stop, _ACTION.stop + 3)
 _DIRECTION = slice(_TARGET.stop, _TARGET.stop + 3)
+_UP = slice(_DIRECTION.stop, _DIRECTION.stop + 3)
 
 
 class StagedPlanner(LeafSystem):
@@ -42,7 +43,7 @@ class StagedPlanner(LeafSystem):
         super().__init__()
         self._config = config
         self._stages = PushStages(arm, config, control, table, policy_period)
-        self._held = {self.discrete_state_ticket(self.DeclareDiscreteState(_DIRECTION.stop))}
+        self._held = {self.discrete_state_ticket(self.DeclareDiscreteState(_UP.stop))}
         self.DeclareInitializationUnrestrictedUpdateEvent(self._start)
         self.DeclarePeriodicUnrestrictedUpdateEvent(policy_period, 0.0, self._update)
 
@@ -63,6 +64,10 @@ class StagedPlanner(LeafSystem):
     def _aim(self, context: Context) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
         """Returns the contact p_WK (3,), the direction d_W (3,) and how far to push, m."""
 
+    def _up(self, context: Context) -> NDArray[np.float64]:  # noqa: ARG002 (a hook, like the next)
+        """Returns where the object's axes point up (3,); a constant where that is not seen."""
+        return np.array([0.0, 0.0, 1.0])
+
     def _reset_offset(  # a hook: only the expert looks at its arguments
         self,
         context: Context,  # noqa: ARG002
@@ -76,8 +81,9 @@ class StagedPlanner(LeafSystem):
         return X_WE
 
     def _start(self, context: Context, state: State) -> EventStatus:
-        values = np.zeros(_DIRECTION.stop)
+        values = np.zeros(_UP.stop)
         values[_PLAN] = PlanState.start(self._tool(context)).to_vector()
+        values[_UP] = self._up(context)
         state.get_mutable_discrete_state(0).SetFromVector(values)
         return EventStatus.Succeeded()
 
@@ -95,11 +101,12 @@ class StagedPlanner(LeafSystem):
             distance=distance,
             halted=bool(eval_vector(self._halted, context)[0] > 0.5),
             reset_offset=self._reset_offset(context, plan),
+            tilt=float(np.arccos(np.clip(held[_UP] @ self._up(context), -1.0, 1.0))),
         )
         plan = self._stages.advance(plan, seen)
         action = self._stages.action(plan, seen)
         state.get_mutable_discrete_state(0).SetFromVector(
-            np.concatenate([plan.to_vector(), action, p_WK, d_W])
+            np.concatenate([plan.to_vector(), action, p_WK, d_W, held[_UP]])
         )
         return EventStatus.Succeeded()
 

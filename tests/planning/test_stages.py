@@ -179,6 +179,54 @@ def at(x: float) -> Change:
     return change
 
 
+def test_a_push_that_makes_no_way_lets_go_and_comes_again() -> None:
+    tool = IdealTool(CONTACT, GOALS[0])
+    tool.run(Stage.PUSH)
+    stuck = replace(tool.see(), distance=0.1)
+    state = tool.state
+    stages = []
+    for _ in range(40):
+        state = STAGES.advance(state, stuck)
+        stages.append(state.stage)
+    assert stages.index(Stage.RETREAT) == 30
+
+
+def _tilted(degrees: float) -> Change:
+    return lambda _, seen: replace(seen, tilt=float(np.deg2rad(degrees)))
+
+
+def _forward(step: Step) -> float:
+    return float((step.after.p_WR - step.seen.X_WE.translation()) @ step.seen.d_W)
+
+
+def test_a_push_gives_way_while_the_object_tilts_more_and_more() -> None:
+    tool = IdealTool(CONTACT, GOALS[0])
+    tool.run(Stage.PUSH)
+    assert _forward(tool.step(_tilted(0.9))) > 0.0
+    assert _forward(tool.step(_tilted(1.2))) < 0.0
+    assert _forward(tool.step(_tilted(0.8))) < 0.0
+    assert _forward(tool.step(_tilted(0.5))) > 0.0
+
+
+def test_a_push_goes_on_where_the_tilt_does_not_grow() -> None:
+    tool = IdealTool(CONTACT, GOALS[0])
+    tool.run(Stage.PUSH)
+    tool.step(_tilted(1.2))
+    steps = [tool.step(_tilted(1.2)) for _ in range(12)]
+    assert [_forward(step) > 0.0 for step in steps] == [False] * 5 + [True] * 7
+    assert {step.after.stage for step in steps} == {Stage.PUSH}
+
+
+def test_a_push_bears_more_tilt_each_time_it_gave_way() -> None:
+    tool = IdealTool(CONTACT, GOALS[0])
+    tool.run(Stage.PUSH)
+    for waits, tilt in ((1, 1.1), (1, 1.1), (2, 1.3), (2, 1.3), (3, 1.5)):
+        tool.step(_tilted(0.0))
+        tool.step(_tilted(tilt))
+        assert tool.state.waits == waits
+        tool.step(_tilted(0.0))
+
+
 def test_beside_the_table_a_push_keeps_its_height_instead_of_pressing_down() -> None:
     edge = TableConfig().length / 2
     over, off = (_pushing().step(at(x)).after.p_WR[2] for x in (edge - 0.03, edge + 0.03))
@@ -281,12 +329,17 @@ states = st.builds(
     steps=st.integers(0, 300),
     strikes=st.integers(0, 3),
     jammed=st.integers(0, 20),
+    stalled=st.integers(0, 40),
+    waiting=st.integers(0, 6),
+    waits=st.integers(0, 20),
     posture=st.builds(
         Posture, st.sampled_from([1, -1]), st.just(np.pi / 3), st.just(CONFIG.approach_height)
     ),
     R_WR=starts.map(lambda q: ARM.tool_pose(q).rotation()),
     p_WR=vectors(3, -0.3, 0.3),
     p_WT=vectors(3, -0.3, 0.3),
+    nearest=st.floats(0.0, 0.5),
+    tilt=st.floats(0.0, 0.2),
 )
 
 
@@ -295,7 +348,18 @@ def test_the_state_survives_its_way_through_a_context(state: PlanState) -> None:
     packed = state.to_vector()
     assert packed.shape == (PlanState.SIZE,)
     again = PlanState.from_vector(packed)
-    for name in ("stage", "steps", "strikes", "jammed", "posture"):
+    for name in (
+        "stage",
+        "steps",
+        "strikes",
+        "jammed",
+        "stalled",
+        "waiting",
+        "waits",
+        "posture",
+        "nearest",
+        "tilt",
+    ):
         assert getattr(again, name) == getattr(state, name)
     assert isinstance(again.stage, Stage)
     np.testing.assert_allclose(again.R_WR.matrix(), state.R_WR.matrix(), atol=1e-12)
