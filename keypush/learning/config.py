@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from keypush.errors import UserError
-from keypush.learning.network_config import NetworkConfig
+from keypush.networks.config import SurfaceConfig
 
 LABELS = ("measured", "analytic")
 
@@ -50,7 +50,7 @@ class TrainingConfig:
     """Points of a cloud."""
     cloud_deviation: float = _number(0.005, 0.0, 0.1)
     """Standard deviation of every coordinate of a cloud, m."""
-    network: NetworkConfig = field(default_factory=NetworkConfig)
+    network: SurfaceConfig = field(default_factory=SurfaceConfig)
     """Sizes and inputs of the network."""
 
     def validate(self) -> None:

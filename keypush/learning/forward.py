@@ -11,7 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from torch import nn
 
-from keypush.learning.network import OCTAVES, POINT_FEATURES, KeypointNetwork
+from keypush.networks.surface_keypoint_network import (
+    OCTAVES,
+    POINT_FEATURES,
+    SurfaceKeypointNetwork,
+)
 
 Array = NDArray[np.float32]
 Index = NDArray[np.intp]
@@ -110,9 +114,9 @@ class _Layer:
 
 
 class NumpyNetwork:
-    """The weights of a `KeypointNetwork`, ready for single scenes."""
+    """The weights of a `SurfaceKeypointNetwork`, ready for single scenes."""
 
-    def __init__(self, network: KeypointNetwork) -> None:
+    def __init__(self, network: SurfaceKeypointNetwork) -> None:
         self.config = network.config
         patch, attention = network.patch, network.attention
         self._patch = [_affine(patch[i], centred=True) for i in (0, 3, 6)]

@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-HAND_SIZE = 9
-"""Tool position (3) and the first two columns of its rotation (6)."""
+from keypush.networks.config import HAND_SIZE
 
 
 def hand_state(X_WE: NDArray[np.floating]) -> NDArray[np.float64]:

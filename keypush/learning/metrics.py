@@ -7,15 +7,15 @@ import torch
 from keypush.learning.clouds import Sampler, draw_clouds
 from keypush.learning.config import TrainingConfig
 from keypush.learning.goal_frame import LENGTH
-from keypush.learning.network import KeypointNetwork
 from keypush.learning.scenes import SceneTable, to_network, with_clouds
+from keypush.networks.surface_keypoint_network import SurfaceKeypointNetwork
 from keypush.seeding import make_generator
 
 MOST_ROWS = 4096
 
 
 def evaluate(
-    network: KeypointNetwork,
+    network: SurfaceKeypointNetwork,
     scenes: SceneTable,
     samplers: Sequence[Sampler],
     config: TrainingConfig,

@@ -10,8 +10,8 @@ from keypush.errors import UserError
 from keypush.learning.checkpoint import load_network
 from keypush.learning.forward import NumpyNetwork
 from keypush.learning.goal_frame import GoalFrame
-from keypush.learning.network import KeypointNetwork
 from keypush.learning.patches import group_patches
+from keypush.networks.surface_keypoint_network import SurfaceKeypointNetwork
 
 Vector = NDArray[np.float64]
 
@@ -65,9 +65,9 @@ class CentroidKeypoint(KeypointModel):
 
 
 class NetworkKeypoint(KeypointModel):
-    """A trained `KeypointNetwork`."""
+    """A trained `SurfaceKeypointNetwork`."""
 
-    def __init__(self, network: KeypointNetwork) -> None:
+    def __init__(self, network: SurfaceKeypointNetwork) -> None:
         self._config = network.config
         self._network = NumpyNetwork(network)
 
@@ -116,4 +116,4 @@ def load_keypoint_model(name_or_path: str | Path) -> NetworkKeypoint:
     Raises:
         UserError: see `checkpoint.load_network`.
     """
-    return NetworkKeypoint(load_network(name_or_path))
+    return NetworkKeypoint(load_network(name_or_path, SurfaceKeypointNetwork))

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from keypush.dataset.poses import rotations
 from keypush.learning.clouds import CloudBank
 from keypush.learning.goal_frame import LENGTH, GoalFrames
-from keypush.learning.network import NetworkInput
 from keypush.learning.rows import Rows
+from keypush.networks.surface_keypoint_network import NetworkInput
 
 STRETCH = 0.25
 """Half-width of the logarithm of a stretch along x, y and z."""

@@ -12,14 +12,14 @@ import torch
 from keypush.errors import UserError
 from keypush.learning.checkpoint import write_atomically
 from keypush.learning.config import TrainingConfig
-from keypush.learning.network import KeypointNetwork
+from keypush.networks.surface_keypoint_network import SurfaceKeypointNetwork
 
 
 @dataclass
 class TrainingState:
     """A run between two epochs."""
 
-    network: KeypointNetwork
+    network: SurfaceKeypointNetwork
     optimizer: torch.optim.AdamW
     epoch: int = 0
     """Epochs done."""
@@ -31,7 +31,7 @@ class TrainingState:
         """Starts a run; the weights follow from `config.seed`."""
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(config.seed)
-            network = KeypointNetwork(config.network)
+            network = SurfaceKeypointNetwork(config.network)
         optimizer = torch.optim.AdamW(
             network.parameters(),
             lr=config.learning_rate,

@@ -4,17 +4,17 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from keypush.learning.network import KeypointNetwork
-from keypush.learning.network_config import NetworkConfig
+from keypush.networks.config import SurfaceConfig
+from keypush.networks.surface_keypoint_network import SurfaceKeypointNetwork
 
-SMALL = NetworkConfig(patches=4, patch_size=8, width=16, patch_width=16, heads=2, query_heads=2)
+SMALL = SurfaceConfig(patches=4, patch_size=8, width=16, patch_width=16, heads=2, query_heads=2)
 
 
-def make_network(config: NetworkConfig = SMALL, seed: int = 0) -> KeypointNetwork:
+def make_network(config: SurfaceConfig = SMALL, seed: int = 0) -> SurfaceKeypointNetwork:
     """An untrained network whose weights follow from the seed."""
     with torch.random.fork_rng():
         torch.manual_seed(seed)
-        return KeypointNetwork(config).eval()
+        return SurfaceKeypointNetwork(config).eval()
 
 
 def make_cloud(rng: np.random.Generator, count: int = 128) -> NDArray[np.float64]:

@@ -10,8 +10,6 @@ from keypush.errors import UserError
 from keypush.learning.checkpoint import save_network
 from keypush.learning.goal_frame import GoalFrame
 from keypush.learning.hand import hand_state
-from keypush.learning.network import NetworkInput
-from keypush.learning.network_config import NetworkConfig
 from keypush.learning.patches import group_patches_batch
 from keypush.learning.predict import (
     CentroidKeypoint,
@@ -19,10 +17,13 @@ from keypush.learning.predict import (
     NetworkKeypoint,
     load_keypoint_model,
 )
+from keypush.networks.config import EncoderConfig, SurfaceConfig
+from keypush.networks.contact_network import ContactNetwork
+from keypush.networks.surface_keypoint_network import NetworkInput
 from tests.learning.scenes import SMALL, make_cloud, make_hand, make_network
 
 SEEDS = st.integers(0, 2**32 - 1)
-WITH_COM = NetworkConfig(
+WITH_COM = SurfaceConfig(
     patches=4, patch_size=8, width=16, patch_width=16, heads=2, query_heads=2, use_com=True
 )
 MODELS: list[KeypointModel] = [
@@ -59,9 +60,9 @@ def test_order_of_the_points_does_not_matter(model: KeypointModel) -> None:
 
 
 @pytest.mark.parametrize(
-    "config", [SMALL, WITH_COM, NetworkConfig(), NetworkConfig(use_hand=False)]
+    "config", [SMALL, WITH_COM, SurfaceConfig(), SurfaceConfig(use_hand=False)]
 )
-def test_numpy_forward_agrees_with_torch(config: NetworkConfig) -> None:
+def test_numpy_forward_agrees_with_torch(config: SurfaceConfig) -> None:
     rng = np.random.default_rng(4)
     network = make_network(config)
     # Norm layers start as the identity, which would hide a wrong gain or bias.
@@ -128,12 +129,19 @@ def test_bad_weights_are_named(tmp_path: Path) -> None:
     for text, told in [
         ("{", "no JSON"),
         ("[]", "found list; allowed: an object"),
-        ("{}", "expected the sizes of the network under 'network'"),
-        ('{"network": {"no_such_size": 1}}', "expected the sizes of the network under 'network'"),
+        ("{}", "kind is ''; allowed: contact, keypoint, behavior_cloning, surface_keypoint"),
+        ('{"kind": "surface_keypoint"}', "expected the sizes of the network under 'network'"),
+        (
+            '{"kind": "surface_keypoint", "network": {"no_such_size": 1}}',
+            "expected the sizes of the network under 'network'",
+        ),
     ]:
         description.write_text(text)
         with pytest.raises(UserError, match=rf"some\.json: {told}"):
             load_keypoint_model(path)
+    save_network(ContactNetwork(EncoderConfig()), path, {})
+    with pytest.raises(UserError, match=r"kind is 'contact'; allowed here: surface_keypoint"):
+        load_keypoint_model(path)
     description.unlink()
     with pytest.raises(UserError, match=r"some\.json: cannot be read"):
         load_keypoint_model(path)

@@ -10,9 +10,9 @@ from safetensors.torch import load_file
 from keypush.errors import UserError
 from keypush.learning import train as module
 from keypush.learning.config import TrainingConfig
-from keypush.learning.network_config import NetworkConfig
 from keypush.learning.predict import load_keypoint_model
 from keypush.learning.train import STATE, WEIGHTS, rate, train
+from keypush.networks.config import SurfaceConfig
 from tests.learning.scenes import SMALL, make_cloud, make_hand
 from tests.learning.synthetic import STEPS, write_data
 
@@ -81,7 +81,7 @@ def test_result_loads_and_says_where_it_came_from(data_dir: Path, tmp_path: Path
 
 
 def test_small_network_learns_where_to_push(data_dir: Path, tmp_path: Path) -> None:
-    network = NetworkConfig(
+    network = SurfaceConfig(
         patches=4, patch_size=16, width=32, patch_width=32, layers=1, point_width=32
     )
     config = dataclasses.replace(
@@ -103,8 +103,8 @@ def test_small_network_learns_where_to_push(data_dir: Path, tmp_path: Path) -> N
         ({"label": "guessed"}, "label is 'guessed'; allowed: measured, analytic"),
         ({"held_out_objects": ["mug"]}, "held_out_objects has mug; allowed: bottle, can, l_block"),
         ({"held_out_objects": ["bottle", "can", "l_block"]}, "0 episodes have labelled rows"),
-        ({"network": NetworkConfig(heads=3)}, r"network\.heads is 3; allowed: divisors"),
-        ({"network": NetworkConfig(patch_size=65)}, "cloud_points is 64; allowed: at least 65"),
+        ({"network": SurfaceConfig(heads=3)}, r"network\.heads is 3; allowed: divisors"),
+        ({"network": SurfaceConfig(patch_size=65)}, "cloud_points is 64; allowed: at least 65"),
     ],
 )
 def test_bad_configurations_are_named(

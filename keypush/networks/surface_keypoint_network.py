@@ -1,4 +1,4 @@
-"""The keypoint network: a patch transformer that selects surface points.
+"""SurfaceKeypointNetwork: a patch transformer that selects surface points.
 
 Encoder as in CORN (Cho et al., ICLR 2024): patch tokens of a cloud and one token of the hand state.
 A query token made from goal (and COM) attends to them; its answer conditions a small network that
@@ -12,8 +12,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from keypush.learning.hand import HAND_SIZE
-from keypush.learning.network_config import NetworkConfig
+from keypush.networks.config import HAND_SIZE, SurfaceConfig
 
 OCTAVES = (2.0, 4.0, 8.0)
 """Angular frequencies of the Fourier features of a point, rad per unit of length in G."""
@@ -96,10 +95,10 @@ def point_features(cloud: torch.Tensor) -> torch.Tensor:
     return torch.cat([cloud, *waves], dim=-1)
 
 
-class KeypointNetwork(nn.Module):
+class SurfaceKeypointNetwork(nn.Module):
     """Maps a `NetworkInput` to keypoints p_GK."""
 
-    def __init__(self, config: NetworkConfig) -> None:
+    def __init__(self, config: SurfaceConfig) -> None:
         super().__init__()
         self.config = config
         width, hidden = config.width, config.patch_width

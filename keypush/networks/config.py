@@ -1,0 +1,65 @@
+"""Sizes of the networks, apart from them: reading a configuration needs no torch."""
+
+from dataclasses import dataclass, field
+
+WIDTH = 128
+"""Size of every token (thesis, table 5.2)."""
+CLOUD_POINTS = 512
+"""Points of the cloud; patch size times number of patches."""
+HAND_SIZE = 9
+"""Of the hand state: tool position (3) and the first two columns of its rotation (6)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EncoderConfig:
+    """A `PatchTransformerEncoder` (CORN's, with the sizes that the thesis varies)."""
+
+    patch_size: int = 32
+    """Points of a patch: 16 or 32 in the thesis; it divides `CLOUD_POINTS`."""
+    layers: int = 2
+    """Transformer layers: 2 or 3 in the thesis."""
+    heads: int = 4
+    """Heads of the self-attention."""
+    dropout: float = 0.01
+    """While it is trained."""
+
+    @property
+    def patches(self) -> int:
+        """Number of patches."""
+        return CLOUD_POINTS // self.patch_size
+
+
+@dataclass(frozen=True, kw_only=True)
+class KeypointConfig:
+    """A `KeypointNetwork` or `BehaviorCloningNetwork` on the tokens of an encoder."""
+
+    encoder: EncoderConfig = field(default_factory=EncoderConfig)
+    use_com: bool = True
+    """Whether the true COM is an input."""
+    heads: int = 8
+    """Heads of the cross-attention: 8 or 16 in the thesis."""
+    dropout: float = 0.1
+    """While it is trained."""
+
+    @property
+    def query_size(self) -> int:
+        """Numbers that the query is made from: the goal's 2, and the COM's 3."""
+        return 5 if self.use_com else 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceConfig:
+    """A `SurfaceKeypointNetwork`."""
+
+    patches: int = 16
+    patch_size: int = 32
+    width: int = 128
+    patch_width: int = 256
+    layers: int = 2
+    heads: int = 4
+    query_heads: int = 8
+    point_width: int = 64
+    use_com: bool = False
+    """Whether the true COM is an input, and the origin of frame G; else the cloud's mean is."""
+    use_hand: bool = True
+    """Whether the hand state is an input."""
