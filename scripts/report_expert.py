@@ -72,6 +72,32 @@ def condition_table(runs: dict[str, Episodes], names: list[str]) -> str:
     return "\n".join(lines)
 
 
+def integrator_table(runs: dict[str, Episodes]) -> str:
+    """Returns success and steps of the same episodes under both integrators."""
+    reference = {(e["object"], e["episode"]): e for e in runs["discrete"]}
+    ours = {key: e for e in runs["tuned"] if (key := (e["object"], e["episode"])) in reference}
+    both = [(e, reference[key]) for key, e in ours.items()]
+    agree = np.mean([mine["success"] == theirs["success"] for mine, theirs in both])
+    steps = np.array(
+        [(m["steps"], t["steps"]) for m, t in both if m["success"] and t["success"]], dtype=float
+    )
+    rates = [np.mean([pair[side]["success"] for pair in both]) for side in (0, 1)]
+    lines = [
+        "| | error-controlled | discrete, 1 ms | difference |",
+        "|---|---|---|---|",
+        (
+            f"| success, {len(both)} episodes | {rates[0]:.1%} | {rates[1]:.1%} "
+            f"| {100 * (rates[0] - rates[1]):+.1f} points |"
+        ),
+        (
+            f"| steps to the goal | {steps[:, 0].mean():.1f} | {steps[:, 1].mean():.1f} "
+            f"| {steps[:, 0].mean() / steps[:, 1].mean() - 1:+.1%} |"
+        ),
+        f"| same outcome | | | {agree:.1%} of the episodes |",
+    ]
+    return "\n".join(lines)
+
+
 def object_table(runs: dict[str, Episodes], names: list[str]) -> str:
     """Returns one Markdown row per object: successes under every condition."""
     lines = [
@@ -129,9 +155,12 @@ def main() -> None:
     text = _replace(text, "conditions", condition_table(runs, everywhere))
     text = _replace(text, "objects", object_table(runs, everywhere))
     text = _replace(text, "fields", condition_table(runs, fields))
+    if "discrete" in runs:
+        text = _replace(text, "integrators", integrator_table(runs))
     page.write_text(text, encoding="utf-8")
     draw(runs, [*everywhere, *fields], DOCS / "expert.png")
-    rows = [{"condition": name, **e} for name in [*everywhere, *fields] for e in runs[name]]
+    kept = [*everywhere, *fields, *(["discrete"] if "discrete" in runs else [])]
+    rows = [{"condition": name, **e} for name in kept for e in runs[name]]
     pq.write_table(
         pa.Table.from_pylist(rows), DOCS / "results" / "expert.parquet", compression="zstd"
     )
