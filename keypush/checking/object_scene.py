@@ -17,7 +17,7 @@ from pydrake.systems.framework import DiagramBuilder
 from keypush.objects.model import ObjectModel
 from keypush.objects.plant import add_object
 from keypush.objects.table import add_table
-from keypush.rollout.episode import simulator_config
+from keypush.rollout.simulation import simulator_config
 from keypush.scenario import ObjectConfig, SimulationConfig, TableConfig
 
 GRAVITY = 9.81

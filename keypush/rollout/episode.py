@@ -1,28 +1,24 @@
 """EpisodeRunner: runs episodes of one scenario in one diagram, reset between them."""
 
-import gc
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, cast
+from dataclasses import dataclass
+from functools import partial
+from typing import cast, override
 
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.geometry import Meshcat
-from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import Context
 from pydrake.systems.primitives import VectorLog
 
 from diagrams.push_diagram import MakePushDiagram, PushDiagram
-from keypush.objects.variation import ObjectVariation, VariedObject, draw_variation, vary_object
-from keypush.rollout.apply_variation import set_frictions, set_mass_properties
-from keypush.rollout.start import EpisodeStart, StartSampler
-from keypush.scenario import POLICIES, Scenario, SimulationConfig
+from keypush.learning.policy_model import policy_model
+from keypush.rollout.simulation import EpisodeSimulation
+from keypush.rollout.start import EpisodeStart
+from keypush.scenario import Scenario
 from keypush.systems.episode_logger import ROW_COLUMNS
 from keypush.systems.episode_monitor import Outcome, longest_episode
 from keypush.systems.episode_seed import set_episode_seed
-
-if TYPE_CHECKING:
-    from keypush.learning.predict import KeypointModel
 
 
 @dataclass(frozen=True)
@@ -37,25 +33,24 @@ class EpisodeResult:
     """Simulated time."""
 
 
-class EpisodeRunner:
+class EpisodeRunner(EpisodeSimulation[PushDiagram]):
     """Builds the diagram and runs any number of episodes in it.
 
     An episode's result depends on the scenario and its number alone, not on the episodes
-    that ran before it. Where the scenario varies the object's size, `push` is another diagram
-    after every reset.
+    that ran before it.
     """
 
     def __init__(self, scenario: Scenario, meshcat: Meshcat | None = None) -> None:
         """Builds the diagram.
 
         Raises:
-            UserError: unknown object, missing weights, a field out of range.
+            UserError: unknown object, weights that are missing or do not fit the policy, a field
+                out of range.
         """
         scenario.validate()
-        self.scenario = scenario
-        self._keypoint_model = make_keypoint_model(scenario)
-        self._meshcat = meshcat
-        self._build(scenario.object.size_ratio)
+        model = policy_model(scenario.policy, scenario.predictor.weights)
+        make = partial(MakePushDiagram, policy_model=model, meshcat=meshcat)
+        super().__init__(scenario, make)
 
     def run(self, episode: int) -> EpisodeResult:
         """Runs one episode from its start to its end.
@@ -68,59 +63,19 @@ class EpisodeRunner:
         self._simulator.AdvanceTo(longest_episode(self.scenario.episode))
         return self._result(episode)
 
+    @override
     def reset(self, episode: int) -> EpisodeStart:
-        """Puts the diagram at the start of an episode and initialises the simulator."""
-        variation = draw_variation(self.scenario, episode)
-        if variation.size_ratio != self.push.station.model.size_ratio:
-            self._rebuild(variation.size_ratio)
-        start = self._sampler.sample(episode)
+        """Puts the diagram at the start of an episode; see `EpisodeSimulation.reset`."""
+        start = super().reset(episode)
         self._redrawn = start.redrawn
-        context = self._context
-        self.push.diagram.SetDefaultContext(context)
-        context.SetTime(0.0)
-        self._vary(variation)
-        station, plant = self.push.station, self.push.station.plant
-        plant_context = plant.GetMyMutableContextFromRoot(context)
-        plant.SetPositions(plant_context, station.panda.instance, start.q)
-        plant.SetFreeBodyPose(plant_context, station.object_body, start.X_WO)
-        goal_context = self.push.goal.GetMyMutableContextFromRoot(context)
-        self.push.goal.get_mutable_source_value(goal_context).set_value(start.goal)
-        self._seed(context, episode)
-        self.push.log.FindMutableLog(context).Clear()
-        # A fresh integrator: the old one would start with the step size it ended with.
-        ApplySimulatorConfig(simulator_config(self.scenario.simulation), self._simulator)
-        self._simulator.Initialize()
         return start
 
-    def _build(self, size_ratio: float) -> None:
-        resized = replace(self.scenario.object, size_ratio=size_ratio)
-        scenario = replace(self.scenario, object=resized)
-        self.push: PushDiagram = MakePushDiagram(scenario, self._keypoint_model, self._meshcat)
-        self._sampler = StartSampler(scenario, self.push.station.model)
-        self._simulator = Simulator(self.push.diagram)
-        self._context = self._simulator.get_mutable_context()
-
-    def _rebuild(self, size_ratio: float) -> None:
-        del self.push, self._sampler, self._simulator, self._context
-        gc.collect()  # Python does not see how much memory a diagram holds.
-        self._build(size_ratio)
-
-    def _vary(self, variation: ObjectVariation) -> None:
-        """Puts into the context what differs from its defaults."""
-        station, margin = self.push.station, self.scenario.variation.com_margin
-        self._variation: ObjectVariation = variation
-        self._object: VariedObject = vary_object(station.model, variation, margin)
-        set_mass_properties(station, self._context, self._object.model)
-        set_frictions(station, self._context, variation, self.scenario)
-
-    def _seed(self, context: Context, episode: int) -> None:
-        station = self.push.station
-        seeded = [station.point_cloud_sensor, station.torque_noise]
+    @override
+    def _prepare(self, context: Context, episode: int) -> None:
         if self.scenario.policy == "expert":
-            seeded.append(self.push.planner)
-        for system in seeded:
-            mine = system.GetMyMutableContextFromRoot(context)
+            mine = self.push.planner.GetMyMutableContextFromRoot(context)
             set_episode_seed(mine, self.scenario.seed, episode)
+        self.push.log.FindMutableLog(context).Clear()
 
     def _result(self, episode: int) -> EpisodeResult:
         context = self._context
@@ -184,32 +139,3 @@ def split_rows(log: VectorLog, keys: Mapping[str, object]) -> dict[str, NDArray[
         rows[name] = block[:, 0].astype(np.int8) if name == "stage" else block
         column += size
     return rows
-
-
-def simulator_config(config: SimulationConfig) -> SimulatorConfig:
-    """Returns Drake's simulator configuration for the scenario's integrator."""
-    if config.integrator == "discrete":
-        return SimulatorConfig()
-    return SimulatorConfig(
-        integration_scheme="cenic",
-        max_step_size=config.max_step,
-        accuracy=config.accuracy,
-        use_error_control=True,
-    )
-
-
-def make_keypoint_model(scenario: Scenario) -> "KeypointModel | None":
-    """Returns the model of the scenario's policy; None for the expert, which needs none.
-
-    Raises:
-        UserError: the weights cannot be read.
-    """
-    if scenario.policy == "expert":
-        return None
-    # Imported here because torch takes seconds to import and the expert needs none of it.
-    from keypush.learning.predict import CentroidKeypoint, load_keypoint_model
-
-    assert scenario.policy in POLICIES
-    if scenario.policy == "centroid":
-        return CentroidKeypoint()
-    return load_keypoint_model(scenario.predictor.weights)

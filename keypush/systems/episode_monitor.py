@@ -108,6 +108,15 @@ class EpisodeMonitor(LeafSystem):
         self.DeclareInitializationDiscreteUpdateEvent(self._start)
         self.DeclarePeriodicDiscreteUpdateEvent(config.policy_period, 0.0, self._judge)
 
+    def foresee(self, context: Context) -> Outcome:
+        """Returns what the update at the context's time will find in an episode that runs.
+
+        For who stops at a policy step, before its updates.
+        """
+        values = np.array(context.get_discrete_state(0).value())
+        values[_STEPS] = self._steps(context)
+        return self._outcome(context, values)
+
     def _start(self, context: Context, state: DiscreteValues) -> EventStatus:
         X_WO: RigidTransform = eval_abstract(self._pose, context)
         values = np.zeros(self._heights.stop)
@@ -123,7 +132,7 @@ class EpisodeMonitor(LeafSystem):
         if values[_OUTCOME] == Outcome.SUCCESS:
             ended = self._settle(context, values)
         else:
-            values[_STEPS] = round(context.get_time() / self._config.policy_period)
+            values[_STEPS] = self._steps(context)
             values[_OUTCOME] = self._outcome(context, values)
             ended = values[_OUTCOME] not in (Outcome.RUNNING, Outcome.SUCCESS)
         values[_TOOL] = eval_abstract(self._tool, context).translation()
@@ -131,6 +140,9 @@ class EpisodeMonitor(LeafSystem):
         if ended:
             return EventStatus.ReachedTermination(self, Outcome(int(values[_OUTCOME])).name)
         return EventStatus.Succeeded()
+
+    def _steps(self, context: Context) -> int:
+        return round(context.get_time() / self._config.policy_period)
 
     def _outcome(self, context: Context, values: NDArray[np.float64]) -> Outcome:
         if not self._on_table(context):

@@ -8,7 +8,7 @@ from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
 from diagrams.station import MakePushStation, PushStation
 from keypush.objects.catalogue import catalogue_names
 from keypush.objects.library import make_object
-from keypush.rollout.episode import simulator_config
+from keypush.rollout.simulation import simulator_config
 from keypush.scenario import NoiseConfig, Scenario, SimulationConfig, parse_scenario
 from tests.physics.exact_shapes import exact_model
 from tests.systems.contract import evaluate, ports

@@ -11,7 +11,7 @@ from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
 
 from diagrams.station import MakePushStation
 from keypush.objects.library import make_object
-from keypush.rollout.episode import simulator_config
+from keypush.rollout.simulation import simulator_config
 from keypush.scenario import EpisodeConfig, NoiseConfig, Scenario, SimulationConfig
 from tests.systems.contract import evaluate
 

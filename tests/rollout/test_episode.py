@@ -9,7 +9,8 @@ from pydrake.systems.framework import Context
 
 from keypush.errors import UserError
 from keypush.planning.plan_state import Stage
-from keypush.rollout.episode import EpisodeResult, EpisodeRunner, simulator_config
+from keypush.rollout.episode import EpisodeResult, EpisodeRunner
+from keypush.rollout.simulation import simulator_config
 from keypush.rollout.start import StartSampler
 from keypush.scenario import Scenario, parse_scenario
 from keypush.systems.episode_logger import ROW_COLUMNS
@@ -165,7 +166,7 @@ def test_the_integrator_is_the_scenarios() -> None:
     ("changes", "words"),
     [
         ({"object": {"name": "teapot"}}, "'teapot'"),
-        ({"policy": "keypoint", "predictor": {"weights": "none"}}, "weights"),
+        ({"policy": "surface", "predictor": {"weights": "none"}}, "policy surface: weights 'none'"),
     ],
 )
 def test_a_users_mistake_is_told_when_the_runner_is_built(
