@@ -1,0 +1,1 @@
+"""Contact pretraining: drawn scenes of a gripper near objects, and the network that learns them."""
