@@ -1,7 +1,6 @@
 """MakePushDiagram: the station, the policy that drives it, the monitor and the logger."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
@@ -10,19 +9,22 @@ from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput, Ve
 
 from diagrams.station import MakePushStation, PushStation
 from keypush.control.arm_kinematics import ArmKinematics
+from keypush.learning.model import ActionModel, KeypointModel, PolicyModel
 from keypush.objects.library import make_object
 from keypush.objects.model import ObjectModel
+from keypush.policies import POLICIES
 from keypush.scenario import Scenario
 from keypush.seeding import make_generator
+from keypush.systems.behavior_cloning_policy import BehaviorCloningPolicy
 from keypush.systems.episode_logger import EpisodeLogger
 from keypush.systems.episode_monitor import EpisodeMonitor
 from keypush.systems.expert_planner import ExpertPlanner
 from keypush.systems.keypoint_predictor import KeypointPredictor
 from keypush.systems.push_planner import PushPlanner
+from keypush.systems.scene_system import SceneSystem
 
-if TYPE_CHECKING:  # the expert runs without torch, which takes seconds to import
-    from keypush.learning.predict import KeypointModel
-
+Driver = ExpertPlanner | PushPlanner | BehaviorCloningPolicy
+"""What drives the port `tool_action`."""
 _EXPERT_POINTS = 2000
 """Surface points that stand for the object's geometry in the expert."""
 
@@ -32,7 +34,7 @@ class PushPolicy:
     """The systems that `add_policy` adds."""
 
     goal: ConstantVectorSource
-    planner: ExpertPlanner | PushPlanner
+    planner: Driver
     monitor: EpisodeMonitor
     log: VectorLogSink
     predictor: KeypointPredictor | None
@@ -45,7 +47,7 @@ class PushDiagram:
     diagram: Diagram
     station: PushStation
     goal: ConstantVectorSource
-    planner: ExpertPlanner | PushPlanner
+    planner: Driver
     monitor: EpisodeMonitor
     log: VectorLogSink
     predictor: KeypointPredictor | None
@@ -54,14 +56,15 @@ class PushDiagram:
 
 def MakePushDiagram(
     scenario: Scenario,
-    keypoint_model: "KeypointModel | None" = None,
+    policy_model: PolicyModel | None = None,
     meshcat: Meshcat | None = None,
 ) -> PushDiagram:
     """Wires station, policy, monitor and logger.
 
     Args:
         scenario: all constants; `scenario.policy` says who drives.
-        keypoint_model: predicts the keypoint; needed unless the policy is "expert".
+        policy_model: what the policy asks (see `keypush.learning.policy_model`); the expert
+            needs none.
         meshcat: where to show the scene; the robot then has its visual meshes. It is
             drawn once per policy step, so that watching does not change the simulation.
     """
@@ -69,7 +72,7 @@ def MakePushDiagram(
     builder = DiagramBuilder()
     station = MakePushStation(scenario, model, visuals=meshcat is not None)
     builder.AddSystem(station.diagram)
-    policy = add_policy(builder, station.diagram, model, scenario, keypoint_model)
+    policy = add_policy(builder, station.diagram, model, scenario, policy_model)
     visualizer = None
     if meshcat is not None:
         visualizer = MeshcatVisualizer.AddToBuilder(
@@ -97,7 +100,7 @@ def add_policy(
     station: Diagram,
     model: ObjectModel,
     scenario: Scenario,
-    keypoint_model: "KeypointModel | None" = None,
+    policy_model: PolicyModel | None = None,
 ) -> PushPolicy:
     """Adds goal, policy, monitor and logger, and closes the loop around a station.
 
@@ -106,21 +109,25 @@ def add_policy(
         station: has the ports of `MakePushStation`'s that the policy needs.
         model: the object on the table.
         scenario: all constants; `scenario.policy` says who drives.
-        keypoint_model: see `MakePushDiagram`.
+        policy_model: see `MakePushDiagram`.
     """
     goal = ConstantVectorSource(np.zeros(2))
     goal.set_name("goal")
     monitor = EpisodeMonitor(model.reference_points, scenario.episode, scenario.table)
     builder.AddSystem(goal)
     builder.AddSystem(monitor)
-    planner: ExpertPlanner | PushPlanner
+    planner: Driver
     predictor = None
     if scenario.policy == "expert":
         planner = _add_expert(builder, station, model, goal, scenario)
     else:
-        assert keypoint_model is not None, "a keypoint policy needs a keypoint model"
-        predictor, planner = _add_keypoint_policy(builder, station, goal, scenario, keypoint_model)
-    _connect(builder, station, planner, ["tool_pose", "arm_state"])
+        assert policy_model is not None, f"policy {scenario.policy} needs a model"
+        if POLICIES[scenario.policy].acts:
+            planner = _add_behavior_cloning(builder, station, goal, scenario, policy_model)
+        else:
+            predictor, planner = _add_keypoint_policy(
+                builder, station, goal, scenario, policy_model
+            )
     _connect(builder, station, monitor, ["object_pose", "object_com", "tool_pose"])
     builder.Connect(goal.get_output_port(), monitor.GetInputPort("goal"))
     builder.Connect(monitor.GetOutputPort("halted"), planner.GetInputPort("halted"))
@@ -152,7 +159,7 @@ def _add_expert(
         scenario.episode.policy_period,
     )
     builder.AddSystem(planner)
-    _connect(builder, station, planner, ["object_pose", "object_com"])
+    _connect(builder, station, planner, ["object_pose", "object_com", "tool_pose", "arm_state"])
     builder.Connect(goal.get_output_port(), planner.GetInputPort("goal"))
     return planner
 
@@ -162,7 +169,7 @@ def _add_keypoint_policy(
     station: Diagram,
     goal: ConstantVectorSource,
     scenario: Scenario,
-    model: "KeypointModel",
+    model: KeypointModel,
 ) -> tuple[KeypointPredictor, PushPlanner]:
     period = scenario.episode.policy_period
     predictor = KeypointPredictor(model, scenario.noise.cloud_points, period)
@@ -170,20 +177,45 @@ def _add_keypoint_policy(
     planner = PushPlanner(arm, scenario.planner, scenario.control, scenario.table, period)
     builder.AddSystem(predictor)
     builder.AddSystem(planner)
-    _connect(builder, station, predictor, ["point_cloud", "tool_pose"])
-    if model.uses_com:
-        _connect(builder, station, predictor, ["object_com"])
-    builder.Connect(goal.get_output_port(), predictor.GetInputPort("goal"))
+    _connect_scene(builder, station, goal, predictor, model)
+    _connect(builder, station, planner, ["tool_pose", "arm_state"])
     builder.Connect(goal.get_output_port(), planner.GetInputPort("goal"))
     _connect(builder, predictor, planner, ["keypoint"])
     return predictor, planner
+
+
+def _add_behavior_cloning(
+    builder: DiagramBuilder,
+    station: Diagram,
+    goal: ConstantVectorSource,
+    scenario: Scenario,
+    model: ActionModel,
+) -> BehaviorCloningPolicy:
+    points, period = scenario.noise.cloud_points, scenario.episode.policy_period
+    policy = BehaviorCloningPolicy(model, points, scenario.control, period)
+    builder.AddSystem(policy)
+    _connect_scene(builder, station, goal, policy, model)
+    return policy
+
+
+def _connect_scene(
+    builder: DiagramBuilder,
+    station: Diagram,
+    goal: ConstantVectorSource,
+    system: SceneSystem,
+    model: PolicyModel,
+) -> None:
+    """Connects what a model may see."""
+    seen = ["point_cloud", "tool_pose"]
+    _connect(builder, station, system, [*seen, "object_com"] if model.uses_com else seen)
+    builder.Connect(goal.get_output_port(), system.GetInputPort("goal"))
 
 
 def _add_logger(
     builder: DiagramBuilder,
     station: Diagram,
     goal: ConstantVectorSource,
-    planner: ExpertPlanner | PushPlanner,
+    planner: Driver,
     period: float,
 ) -> VectorLogSink:
     logger = builder.AddSystem(EpisodeLogger())

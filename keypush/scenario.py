@@ -13,9 +13,9 @@ import yaml
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
 from keypush.errors import UserError, one_line
+from keypush.policies import POLICIES, SHIPPED
 from keypush.scenario_check import check_values, check_yaml
 
-POLICIES = ("expert", "keypoint", "centroid")
 INTEGRATORS = ("cenic", "discrete")
 VARIED_FIELDS = {
     "size": ("object", "size_ratio"),
@@ -248,10 +248,11 @@ class VariationConfig:
 
 @dataclass(kw_only=True)
 class PredictorConfig:
-    """The learned keypoint."""
+    """The network of a policy that has learned."""
 
-    weights: str = "keypoint"
-    """Name of shipped weights, or path of a `.safetensors` file."""
+    weights: str = SHIPPED
+    """Name of shipped weights, or path of a `.safetensors` file; "auto": the weights that ship
+    under the policy's own name."""
 
 
 @dataclass(kw_only=True)
@@ -260,8 +261,8 @@ class Scenario:
 
     seed: int = field(default=0, metadata={"range": (0, 2**53)})
     """Root of every random draw."""
-    policy: str = _choice("keypoint", POLICIES)
-    """Who drives the tool."""
+    policy: str = _choice("surface_no_com", tuple(POLICIES))
+    """Who drives the tool; see `keypush/policies.py`."""
     object: ObjectConfig = field(default_factory=ObjectConfig)
     variation: VariationConfig = field(default_factory=VariationConfig)
     table: TableConfig = field(default_factory=TableConfig)

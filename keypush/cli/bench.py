@@ -1,4 +1,4 @@
-"""`keypush bench`: how fast and how true the simulation is, and what variation costs."""
+"""`keypush bench`: speed and truth of simulation and networks; what variation and training cost."""
 
 import json
 import os
@@ -18,19 +18,22 @@ if TYPE_CHECKING:
 
 @dataclass(kw_only=True)
 class Bench(ScenarioOptions):
-    """Measure, on one core and with the expert, the simulation or the cost of variation."""
+    """Measure, on one core, the simulation with the expert, the cost of variation, or networks."""
 
     after_interrupt: ClassVar[str] = "nothing was measured"
 
-    what: tyro.conf.Positional[Literal["sim", "variation"]]
+    what: tyro.conf.Positional[Literal["sim", "variation", "predictor", "train"]]
     """sim: speed and final poses of the whole stack, beside its reference and MuJoCo. variation:
-    time per reset when the object's mass, friction or size differs in every episode."""
+    time per reset when the object's mass, friction or size differs in every episode. predictor:
+    time of an answer of every learned policy's network, and its distance from PyTorch's. train: how
+    fast the thesis' head trains on cached tokens, beside the way one would write it down; on
+    pretended data, so that no other option but --json matters."""
     json: bool = False
     """Print one JSON object instead of a table."""
     objects: Annotated[str, tyro.conf.arg(metavar=OBJECTS)] = "all"
     """Objects to push."""
     episodes: Annotated[int, tyro.conf.arg(metavar="N")] = 5
-    """Episodes per object."""
+    """Episodes per object; for predictor, twice as many scenes."""
 
     def run(self) -> None:
         """Runs the verb."""
@@ -42,8 +45,16 @@ class Bench(ScenarioOptions):
         from keypush.objects.library import parse_object_list
 
         scenario = resolve_scenario(self, policy="expert")
-        measure = {"sim": _measure_simulation, "variation": _measure_variation}[self.what]
-        report, table = measure(scenario, parse_object_list(self.objects), self.episodes)
+        objects = parse_object_list(self.objects)
+        if self.what == "train":
+            report, table = _measure_training()
+        else:
+            measure = {
+                "sim": _measure_simulation,
+                "variation": _measure_variation,
+                "predictor": _measure_predictors,
+            }[self.what]
+            report, table = measure(scenario, objects, self.episodes)
         if self.json:
             print(json.dumps(report))
         else:
@@ -67,6 +78,28 @@ def _measure_variation(
 
     report = summarise_resets(scenario, measure_resets(scenario, objects, episodes))
     return report, resets_table(report)
+
+
+def _measure_training() -> tuple[dict[str, Any], "Table"]:
+    from keypush.bench.train_speed import measure_training, training_table
+
+    report = measure_training(seconds=4.0)
+    return report, training_table(report)
+
+
+def _measure_predictors(
+    scenario: "Scenario", objects: list[str], episodes: int
+) -> tuple[dict[str, Any], "Table"]:
+    from keypush.bench.predictor import (
+        measure_predictors,
+        predictors_table,
+        summarise_predictors,
+    )
+
+    scenes = 2 * episodes
+    networks = measure_predictors(scenario, objects, scenes)
+    report = summarise_predictors(scenario, networks, len(objects) * scenes)
+    return report, predictors_table(report)
 
 
 def _use_one_thread() -> None:

@@ -21,8 +21,7 @@ class Demo(ScenarioOptions):
 
     object: str | None = None
     """Object to push, by its name in the catalogue."""
-    policy: Policy | None = None
-    """Who drives the tool: the learned keypoint, the expert, or the cloud's centroid."""
+    policy: Policy = None
     out: Path = Path("out/demo")
     """Folder for the results."""
 

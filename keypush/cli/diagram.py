@@ -14,8 +14,7 @@ class Diagram(ScenarioOptions):
 
     after_interrupt: ClassVar[str] = "nothing was written"
 
-    policy: Policy | None = None
-    """Who drives the tool: the learned keypoint, the expert, or the cloud's centroid."""
+    policy: Policy = None
     out: Path = Path("diagram.svg")
     """File to write."""
 

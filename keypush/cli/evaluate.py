@@ -22,10 +22,10 @@ class Evaluate(ScenarioOptions, ParallelOptions):
     Prints a table and writes OUT/summary.json, beside all rows and the scenario.
     """
 
-    policy: Policy | None = None
-    """Who drives the tool: the learned keypoint, the expert, or the cloud's centroid."""
+    policy: Policy = None
     weights: str | None = None
-    """Name of shipped weights, or path of a .safetensors file."""
+    """Name of shipped weights, or path of a .safetensors file; by default those that ship under
+    the policy's name."""
     objects: Annotated[str, tyro.conf.arg(metavar=OBJECTS)] = "unseen"
     """Objects to push."""
     episodes: int = 50

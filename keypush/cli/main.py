@@ -14,6 +14,7 @@ from keypush.cli.demo import Demo
 from keypush.cli.diagram import Diagram
 from keypush.cli.evaluate import Evaluate
 from keypush.cli.objects import Objects
+from keypush.cli.pretrain import Pretrain
 from keypush.cli.train import Train
 from keypush.errors import UserError
 
@@ -21,6 +22,7 @@ Verb = (
     Annotated[Demo, subcommand("demo")]
     | Annotated[Collect, subcommand("collect")]
     | Annotated[Dataset, subcommand("dataset")]
+    | Annotated[Pretrain, subcommand("pretrain")]
     | Annotated[Train, subcommand("train")]
     | Annotated[Evaluate, subcommand("evaluate")]
     | Annotated[Objects, subcommand("objects")]

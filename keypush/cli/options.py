@@ -2,17 +2,27 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 import yaml
 
 from keypush.errors import UserError
+from keypush.policies import POLICIES
 
 if TYPE_CHECKING:
     from keypush.scenario import Scenario
 
-Policy = Literal["keypoint", "expert", "centroid"]
+Policy = Annotated[
+    str | None,
+    tyro.conf.arg(
+        metavar="POLICY",
+        help="Who drives the tool. "
+        + "; ".join(f"{name}: {policy.description}" for name, policy in POLICIES.items())
+        + ".",
+    ),
+]
+"""The option `--policy`; the scenario checks its value."""
 OBJECTS = "train|id|ood|unseen|user|all|NAME,..."
 """Stands in the help for a list of objects."""
 

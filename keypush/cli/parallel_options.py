@@ -43,7 +43,8 @@ def make_job(
         episodes: per object.
 
     Raises:
-        UserError: an option is out of range, an object or weights are not there.
+        UserError: an option is out of range, an object is not there, or weights are not there or
+            do not fit the policy.
     """
     from keypush.objects.library import parse_object_list
     from keypush.rollout.job import Job
@@ -66,14 +67,16 @@ def make_job(
 
 def _weights_digest(scenario: "Scenario") -> dict[str, str]:
     """Tells weights apart that were trained again under the same name."""
-    if scenario.policy != "keypoint":
+    from keypush.policies import POLICIES
+
+    if POLICIES[scenario.policy].weights_kind is None:
         return {}
     import hashlib
 
-    from keypush.learning.card import weights_path
+    from keypush.learning.policy_model import policy_weights
 
-    content = weights_path(scenario.predictor.weights).read_bytes()
-    return {"weights_sha256": hashlib.sha256(content).hexdigest()}
+    path, _ = policy_weights(scenario.policy, scenario.predictor.weights)
+    return {"weights_sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
 
 
 def _user_objects_digest(names: list[str]) -> dict[str, str]:

@@ -7,24 +7,24 @@ from pathlib import Path
 from typing import Any
 
 import torch
-from safetensors import SafetensorError
-from safetensors.torch import load, save
+from safetensors.torch import save
 from torch import nn
 
 from keypush.errors import UserError, one_line
-from keypush.learning.card import read_card, weights_path
-from keypush.networks.config import EncoderConfig, KeypointConfig, SurfaceConfig
+from keypush.learning.card import weights_path
+from keypush.learning.kinds import read_sizes
+from keypush.learning.tensors import Tensors
 from keypush.networks.contact_network import ContactNetwork
 from keypush.networks.keypoint_network import BehaviorCloningNetwork, KeypointNetwork
 from keypush.networks.surface_keypoint_network import SurfaceKeypointNetwork
 
-NETWORKS: Mapping[str, tuple[type[nn.Module], type[Any]]] = {
-    "contact": (ContactNetwork, EncoderConfig),
-    "keypoint": (KeypointNetwork, KeypointConfig),
-    "behavior_cloning": (BehaviorCloningNetwork, KeypointConfig),
-    "surface_keypoint": (SurfaceKeypointNetwork, SurfaceConfig),
+NETWORKS: Mapping[str, type[nn.Module]] = {
+    "contact": ContactNetwork,
+    "keypoint": KeypointNetwork,
+    "behavior_cloning": BehaviorCloningNetwork,
+    "surface_keypoint": SurfaceKeypointNetwork,
 }
-"""Network and configuration by the kind that the card names."""
+"""Network by the kind that the card names; their configurations are in `kinds.KINDS`."""
 
 
 def save_network(network: nn.Module, path: Path, record: Mapping[str, Any]) -> None:
@@ -35,7 +35,7 @@ def save_network(network: nn.Module, path: Path, record: Mapping[str, Any]) -> N
         path: of the `.safetensors` file.
         record: what else to tell about the weights (training, metrics, ...), as JSON.
     """
-    kind = next(name for name, (known, _) in NETWORKS.items() if type(network) is known)
+    kind = next(name for name, known in NETWORKS.items() if type(network) is known)
     config: Any = network.config
     description = {"kind": kind, "network": dataclasses.asdict(config), **record}
     write_atomically(path, save({k: v.contiguous() for k, v in network.state_dict().items()}))
@@ -53,11 +53,15 @@ def load_network[Network: nn.Module](name_or_path: str | Path, wanted: type[Netw
         UserError: a file is missing, unreadable, of another kind, or does not fit the network.
     """
     path = weights_path(name_or_path)
-    network = _make_network(path, wanted)
-    try:
-        network.load_state_dict(load(path.read_bytes()))
-    except (OSError, SafetensorError, RuntimeError) as error:
-        raise UserError(f"weights {path}: cannot be loaded: {one_line(error)}") from error
+    allowed = [kind for kind, known in NETWORKS.items() if issubclass(known, wanted)]
+    kind, sizes = read_sizes(path, allowed)
+    network = NETWORKS[kind](sizes)
+    assert isinstance(network, wanted)
+    tensors = Tensors.read(path)
+    state = network.state_dict()
+    found = {name: tensors.take(name, *value.shape) for name, value in state.items()}
+    tensors.finish()
+    network.load_state_dict({name: torch.from_numpy(array) for name, array in found.items()})
     return network.eval()
 
 
@@ -74,34 +78,6 @@ def write_atomically(path: Path, content: bytes) -> None:
         temporary.replace(path)
     except OSError as error:
         raise UserError(f"{path}: cannot be written: {one_line(error)}") from error
-
-
-def _make_network[Network: nn.Module](weights: Path, wanted: type[Network]) -> Network:
-    card = read_card(weights)
-    kind = card.get("kind", "")
-    if kind not in NETWORKS:
-        raise UserError(
-            f"weights' card {weights.with_suffix('.json')}: kind is {kind!r}; "
-            f"allowed: {', '.join(NETWORKS)}"
-        )
-    network, config = NETWORKS[kind]
-    if not issubclass(network, wanted):
-        kinds = [name for name, (known, _) in NETWORKS.items() if issubclass(known, wanted)]
-        raise UserError(f"weights {weights}: kind is {kind!r}; allowed here: {', '.join(kinds)}")
-    try:
-        made: Network = network(_make_config(config, card["network"]))
-    except (KeyError, TypeError) as error:
-        raise UserError(
-            f"weights' card {weights.with_suffix('.json')}: expected the sizes of the network "
-            f"under 'network': {one_line(error)}"
-        ) from error
-    return made
-
-
-def _make_config(config: type[Any], values: Mapping[str, Any]) -> Any:
-    if config is KeypointConfig:
-        return KeypointConfig(**{**values, "encoder": EncoderConfig(**values["encoder"])})
-    return config(**values)
 
 
 def parameter_count(network: torch.nn.Module) -> int:

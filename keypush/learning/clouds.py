@@ -58,17 +58,37 @@ def draw_clouds(
     many in all as the pass has rows.
     """
     rows_each = -(-config.rows_per_epoch // len(samplers))
-    per_object = min(config.clouds_per_object, rows_each)
-    clouds = [sampler(config.cloud_points, rng) for sampler in samplers for _ in range(per_object)]
-    points = np.stack(clouds) + rng.normal(
-        0, config.cloud_deviation, (len(clouds), *clouds[0].shape)
-    )
-    cloud = torch.from_numpy(points.astype(np.float32))
     network = config.network
-    groups = [
-        group_patches_batch(part, network.patches, network.patch_size)
-        for part in torch.split(cloud, 64)
-    ]
+    return make_bank(
+        samplers,
+        min(config.clouds_per_object, rows_each),
+        (config.cloud_points, config.cloud_deviation),
+        (network.patches, network.patch_size),
+        rng,
+    )
+
+
+def make_bank(
+    samplers: Sequence[Sampler],
+    per_object: int,
+    sensor: tuple[int, float],
+    patches: tuple[int, int],
+    rng: np.random.Generator,
+) -> CloudBank:
+    """Draws clouds and groups them.
+
+    Args:
+        samplers: of K objects.
+        per_object: clouds of each.
+        sensor: points of a cloud, and the standard deviation of every coordinate, m.
+        patches: number of patches, and points of each.
+        rng: draws points and noise.
+    """
+    points, deviation = sensor
+    clouds = [sampler(points, rng) for sampler in samplers for _ in range(per_object)]
+    noisy = np.stack(clouds) + rng.normal(0, deviation, (len(clouds), *clouds[0].shape))
+    cloud = torch.from_numpy(noisy.astype(np.float32))
+    groups = [group_patches_batch(part, *patches) for part in torch.split(cloud, 64)]
     return CloudBank(
         cloud=cloud,
         centres=torch.cat([centres for centres, _ in groups]),

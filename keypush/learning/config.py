@@ -1,73 +1,64 @@
-"""How the keypoint network is trained."""
+"""How the networks are trained that predict where to push."""
 
-import dataclasses
-import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import override
 
 from keypush.errors import UserError
+from keypush.learning.run_config import RunConfig, choice, number
 from keypush.networks.config import SurfaceConfig
 
 LABELS = ("measured", "analytic")
 
 
-def _number(default: float, low: float, high: float) -> Any:
-    """A numeric field with its closed range of allowed values."""
-    return field(default=default, metadata={"range": (low, high)})
-
-
 @dataclass(kw_only=True)
-class TrainingConfig:
-    """Everything but the data that decides the trained weights."""
+class DataConfig(RunConfig):
+    """What is learnt from a data set."""
 
-    seed: int = _number(0, 0, 2**62)
-    """Root of every random draw."""
-    label: str = "measured"
+    label: str = choice("measured", LABELS)
     """"measured": the contact that the push had; "analytic": the point that the expert aimed at."""
     keep_failures: bool = False
     """Whether episodes without success are trained on."""
-    validation_share: float = _number(0.1, 0.01, 0.9)
+    validation_share: float = number(0.1, 0.01, 0.9)
     """Share of the episodes that is kept for validation."""
     held_out_objects: list[str] = field(default_factory=list)
     """Objects that are only validated on."""
-    epochs: int = _number(8, 1, 10_000)
+
+
+@dataclass(kw_only=True)
+class TrainingConfig(DataConfig):
+    """Everything but the data that decides a trained `SurfaceKeypointNetwork`."""
+
+    epochs: int = number(8, 1, 10_000)
     """Passes; each draws new noise, new surface points and new augmentation."""
-    rows_per_epoch: int = _number(20_000, 1, 10**9)
+    rows_per_epoch: int = number(20_000, 1, 10**9)
     """Rows drawn per pass: neighbouring rows are much alike, so not all are needed."""
-    batch: int = _number(256, 1, 65_536)
+    batch: int = number(256, 1, 65_536)
     """Rows per optimiser step."""
-    learning_rate: float = _number(1e-3, 1e-7, 1.0)
+    learning_rate: float = number(1e-3, 1e-7, 1.0)
     """Peak of AdamW's rate: linear warm-up over a twentieth of the steps, then cosine to 0."""
-    weight_decay: float = _number(0.01, 0.0, 10.0)
+    weight_decay: float = number(0.01, 0.0, 10.0)
     """AdamW's weight decay."""
-    max_gradient: float = _number(1.0, 1e-6, 1e6)
+    max_gradient: float = number(1.0, 1e-6, 1e6)
     """Norm to which gradients are clipped."""
     augment: bool = True
     """Whether objects are mirrored, stretched, sheared, bent and tapered."""
-    clouds_per_object: int = _number(64, 1, 100_000)
+    clouds_per_object: int = number(64, 1, 100_000)
     """Clouds drawn per pass for every object and size, as far as the pass has rows for them."""
-    cloud_points: int = _number(512, 16, 16_384)
+    cloud_points: int = number(512, 16, 16_384)
     """Points of a cloud."""
-    cloud_deviation: float = _number(0.005, 0.0, 0.1)
+    cloud_deviation: float = number(0.005, 0.0, 0.1)
     """Standard deviation of every coordinate of a cloud, m."""
     network: SurfaceConfig = field(default_factory=SurfaceConfig)
     """Sizes and inputs of the network."""
 
+    @override
     def validate(self) -> None:
-        """Checks every field's range.
+        """Checks every field's range, and that heads and patches fit.
 
         Raises:
             UserError: names the field, what it holds and what is allowed.
         """
-        if self.label not in LABELS:
-            raise UserError(f"label is {self.label!r}; allowed: {', '.join(LABELS)}")
-        for spec in dataclasses.fields(self):
-            if "range" not in spec.metadata:
-                continue
-            value = getattr(self, spec.name)
-            low, high = spec.metadata["range"]
-            if not (math.isfinite(value) and low <= value <= high):
-                raise UserError(f"{spec.name} is {value:g}; allowed: {low:g} to {high:g}")
+        super().validate()
         network = self.network
         for name in ("heads", "query_heads"):
             if network.width % getattr(network, name):

@@ -6,9 +6,9 @@ import torch
 
 from keypush.learning.clouds import Sampler, draw_clouds
 from keypush.learning.config import TrainingConfig
-from keypush.learning.goal_frame import LENGTH
+from keypush.learning.inference.goal_frame import LENGTH
 from keypush.learning.scenes import SceneTable, to_network, with_clouds
-from keypush.networks.surface_keypoint_network import SurfaceKeypointNetwork
+from keypush.networks.surface_keypoint_network import NetworkInput, SurfaceKeypointNetwork
 from keypush.seeding import make_generator
 
 MOST_ROWS = 4096
@@ -33,13 +33,22 @@ def evaluate(
     generator = torch.Generator().manual_seed(int(rng.integers(2**62)))
     chosen = torch.from_numpy(rng.permutation(len(scenes))[:MOST_ROWS])
     errors, centroid = [], []
+    device = next(network.parameters()).device
     with torch.inference_mode():
         for index in torch.split(chosen, config.batch):
             batch = with_clouds(scenes.take(index), bank, generator)
             scene, label, _ = to_network(batch, use_com=config.network.use_com)
-            errors.append(LENGTH * (network(scene) - label))
+            on_device = NetworkInput(**{k: v.to(device) for k, v in vars(scene).items()})
+            errors.append(LENGTH * (network(on_device).cpu() - label))
             centroid.append(LENGTH * (scene.cloud.mean(dim=1) - label)[:, :2].norm(dim=1))
-    error = torch.cat(errors)
+    return {
+        **keypoint_errors(torch.cat(errors)),
+        "centroid_xy_mean": float(torch.cat(centroid).mean()),
+    }
+
+
+def keypoint_errors(error: torch.Tensor) -> dict[str, float]:
+    """Sums up errors (n, 3) of keypoints in goal frames, in m; see `evaluate`."""
     distance, horizontal = error.norm(dim=1), error[:, :2].norm(dim=1)
     return {
         "rows": len(error),
@@ -48,5 +57,4 @@ def evaluate(
         "error_xy_mean": float(horizontal.mean()),
         "error_xy_p90": float(horizontal.quantile(0.9)),
         "error_lateral_mean": float(error[:, 1].abs().mean()),
-        "centroid_xy_mean": float(torch.cat(centroid).mean()),
     }

@@ -1,75 +1,51 @@
-"""Keypoint models: what the predictor system calls once per policy step."""
+"""Networks as models: from what is seen in W to the network's frame, and back."""
 
 from pathlib import Path
-from typing import Protocol, override
+from typing import Any, Protocol, override
 
 import numpy as np
-from numpy.typing import NDArray
 
 from keypush.errors import UserError
-from keypush.learning.checkpoint import load_network
-from keypush.learning.forward import NumpyNetwork
-from keypush.learning.goal_frame import GoalFrame
-from keypush.learning.patches import group_patches
-from keypush.networks.surface_keypoint_network import SurfaceKeypointNetwork
+from keypush.learning.card import weights_path
+from keypush.learning.inference.goal_frame import GoalFrame
+from keypush.learning.inference.ops import Array, Index
+from keypush.learning.inference.patches import group_patches
+from keypush.learning.inference.surface import SurfaceNetwork
+from keypush.learning.inference.thesis import ThesisNetwork
+from keypush.learning.kinds import read_sizes
+from keypush.learning.model import ActionModel, KeypointModel, PolicyModel, Seen, Vector
+from keypush.learning.tensors import Tensors
+from keypush.networks.config import KeypointConfig, SurfaceConfig
+from keypush.networks.normalisation import (
+    denormalise_positions,
+    normalise_hand,
+    normalise_positions,
+)
 
-Vector = NDArray[np.float64]
 
+class Forward(Protocol):
+    """A network: a `ThesisNetwork`, a `SurfaceNetwork`, or what stands for one."""
 
-class KeypointModel(Protocol):
-    """Chooses where to push."""
-
-    @property
-    def uses_com(self) -> bool:
-        """Whether `predict` needs `com_W`."""
-
-    def predict(
-        self,
-        cloud_W: NDArray[np.floating],
-        goal_W: NDArray[np.floating],
-        com_W: NDArray[np.floating] | None,
-        hand: NDArray[np.floating],
-    ) -> Vector:
-        """Returns the keypoint p_WK, shape (3,), in m; same inputs, same bits.
+    def __call__(
+        self, cloud: Array, centres: Index, members: Index, query: Array, hand: Array
+    ) -> Array:
+        """Maps a scene in the network's frame to its outputs; all in float32.
 
         Args:
-            cloud_W: surface points of the object in W, (N, 3), m.
-            goal_W: goal of the object's position, xy in W, (2,), m.
-            com_W: p_WOcm, (3,), m, or None when it is not observed.
-            hand: p_WEo and the first two columns of R_WE, (9,).
-
-        A non-finite result is returned as it is; the caller reports it.
+            cloud: (N, 3).
+            centres: indices of patch centres, (patches,).
+            members: indices of patch points, nearest first, (patches, patch_size).
+            query: goal xy and, if the network uses it, COM, (2,) or (5,).
+            hand: (9,).
         """
 
 
-class CentroidKeypoint(KeypointModel):
-    """The baseline without learning: the cloud's centroid."""
+class SurfaceKeypoint(KeypointModel):
+    """A `SurfaceKeypointNetwork`."""
 
-    @property
-    @override
-    def uses_com(self) -> bool:
-        """False."""
-        return False
-
-    @override
-    def predict(
-        self,
-        cloud_W: NDArray[np.floating],
-        goal_W: NDArray[np.floating],
-        com_W: NDArray[np.floating] | None,
-        hand: NDArray[np.floating],
-    ) -> Vector:
-        """Returns the mean of the cloud; see `KeypointModel.predict`."""
-        centroid: Vector = np.mean(cloud_W, axis=0, dtype=float)
-        return centroid
-
-
-class NetworkKeypoint(KeypointModel):
-    """A trained `SurfaceKeypointNetwork`."""
-
-    def __init__(self, network: SurfaceKeypointNetwork) -> None:
-        self._config = network.config
-        self._network = NumpyNetwork(network)
+    def __init__(self, network: Forward, config: SurfaceConfig) -> None:
+        self._config = config
+        self._network = network
 
     @property
     @override
@@ -78,28 +54,16 @@ class NetworkKeypoint(KeypointModel):
         return self._config.use_com
 
     @override
-    def predict(
-        self,
-        cloud_W: NDArray[np.floating],
-        goal_W: NDArray[np.floating],
-        com_W: NDArray[np.floating] | None,
-        hand: NDArray[np.floating],
-    ) -> Vector:
+    def predict(self, cloud_W: Seen, goal_W: Seen, com_W: Seen | None, hand: Seen) -> Vector:
         """Returns the network's keypoint; see `KeypointModel.predict`.
 
         Raises:
-            UserError: the network was trained with the COM and `com_W` is None, or the cloud
-                has fewer points than a patch.
+            UserError: the cloud has fewer points than a patch.
+            RuntimeError: the network was trained with the COM and `com_W` is None.
         """
         config = self._config
-        if config.use_com and com_W is None:
-            raise UserError("predictor.use_com is false; allowed: true, as these weights need it")
-        least = max(config.patches, config.patch_size)
-        if len(cloud_W) < least:
-            raise UserError(
-                f"noise.cloud_points is {len(cloud_W)}; allowed: at least {least} for these weights"
-            )
-        com = com_W if config.use_com else None
+        com = _com(com_W, wanted=config.use_com)
+        _check_cloud(cloud_W, config.patches, config.patch_size)
         frame = GoalFrame.of(cloud_W.mean(axis=0) if com is None else com, goal_W)
         cloud = frame.to_goal(cloud_W)
         centres, members = group_patches(cloud, config.patches, config.patch_size)
@@ -110,10 +74,114 @@ class NetworkKeypoint(KeypointModel):
         return frame.to_world(p_GK)
 
 
-def load_keypoint_model(name_or_path: str | Path) -> NetworkKeypoint:
-    """Reads a trained model by the name of shipped weights or by path.
+class _ThesisModel:
+    """One of the thesis' networks, in W."""
+
+    def __init__(self, network: Forward, config: KeypointConfig) -> None:
+        self._config = config
+        self._network = network
+
+    @property
+    def uses_com(self) -> bool:
+        """Whether `predict` needs `com_W`."""
+        return self._config.use_com
+
+    def run(self, cloud_W: Seen, goal_W: Seen, com_W: Seen | None, hand: Seen) -> Array:
+        """Returns the network's outputs; errors as `SurfaceKeypoint.predict`."""
+        encoder, com = self._config.encoder, _com(com_W, wanted=self._config.use_com)
+        _check_cloud(cloud_W, encoder.patches, encoder.patch_size)
+        cloud = normalise_positions(cloud_W).astype(np.float32)
+        centres, members = group_patches(cloud, encoder.patches, encoder.patch_size)
+        query = normalise_positions(np.asarray(goal_W))
+        if com is not None:
+            query = np.concatenate([query, normalise_positions(com)])
+        return self._network(
+            cloud,
+            centres,
+            members,
+            query.astype(np.float32),
+            normalise_hand(hand).astype(np.float32),
+        )
+
+
+class ThesisKeypoint(_ThesisModel, KeypointModel):
+    """A `KeypointNetwork`."""
+
+    @override
+    def predict(self, cloud_W: Seen, goal_W: Seen, com_W: Seen | None, hand: Seen) -> Vector:
+        """Returns the network's keypoint; see `KeypointModel.predict`, errors as there."""
+        outputs = self.run(cloud_W, goal_W, com_W, hand).astype(np.float64)
+        return np.asarray(denormalise_positions(outputs))
+
+
+class ThesisAction(_ThesisModel, ActionModel):
+    """A `BehaviorCloningNetwork`."""
+
+    @override
+    def predict(self, cloud_W: Seen, goal_W: Seen, com_W: Seen | None, hand: Seen) -> Vector:
+        """Returns the network's action; see `ActionModel.predict`."""
+        return self.run(cloud_W, goal_W, com_W, hand).astype(np.float64)
+
+
+_OUTPUTS = {"keypoint": 3, "behavior_cloning": 6}
+"""Of the thesis' networks, by kind; see `kinds.KINDS`."""
+
+
+def make_model(kind: str, network: Forward, sizes: Any) -> PolicyModel:
+    """Makes the model of a network.
+
+    Args:
+        kind: one of `kinds.KINDS`, but not "contact".
+        network: the network.
+        sizes: its configuration.
+    """
+    if kind == "surface_keypoint":
+        return SurfaceKeypoint(network, sizes)
+    if kind == "keypoint":
+        return ThesisKeypoint(network, sizes)
+    return ThesisAction(network, sizes)
+
+
+def fast_network(kind: str, tensors: Tensors, sizes: Any) -> Forward:
+    """Makes a network in NumPy; arguments as for `make_model`.
 
     Raises:
-        UserError: see `checkpoint.load_network`.
+        UserError: the weights do not fit the sizes.
     """
-    return NetworkKeypoint(load_network(name_or_path, SurfaceKeypointNetwork))
+    network: Forward
+    if kind == "surface_keypoint":
+        network = SurfaceNetwork(tensors, sizes)
+    else:
+        network = ThesisNetwork(tensors, sizes, _OUTPUTS[kind])
+    tensors.finish()
+    return network
+
+
+def read_model(kind: str, weights: Path, sizes: Any) -> PolicyModel:
+    """Reads a model from the `.safetensors` file of its weights; errors as `fast_network`."""
+    return make_model(kind, fast_network(kind, Tensors.read(weights), sizes), sizes)
+
+
+def load_keypoint_model(name_or_path: str | Path) -> KeypointModel:
+    """Reads a model that predicts a keypoint, by the name of shipped weights or by path.
+
+    Raises:
+        UserError: a file is missing, unreadable, of another kind, or does not fit the network.
+    """
+    path = weights_path(name_or_path)
+    kind, sizes = read_sizes(path, ["keypoint", "surface_keypoint"])
+    return read_model(kind, path, sizes)
+
+
+def _com(com_W: Seen | None, *, wanted: bool) -> Seen | None:
+    if wanted and com_W is None:
+        raise RuntimeError("object_com has no value; these weights use the centre of mass")
+    return com_W if wanted else None
+
+
+def _check_cloud(cloud_W: Seen, patches: int, patch_size: int) -> None:
+    least = max(patches, patch_size)
+    if len(cloud_W) < least:
+        raise UserError(
+            f"noise.cloud_points is {len(cloud_W)}; allowed: at least {least} for these weights"
+        )

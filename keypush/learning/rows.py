@@ -11,6 +11,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from keypush.dataset.arrays import to_array
+from keypush.dataset.features import FEATURES
 from keypush.dataset.read import DataSet, open_dataset
 from keypush.errors import UserError
 
@@ -22,8 +23,11 @@ COLUMNS = {
     "tool_pose": "observation.tool_pose",
     "contact_point": "contact.measured",
     "target": "contact.analytic",
+    "action": "action",
 }
 """Attributes of `Rows` and the fields that they come from."""
+_ONLY_CHECKED = ("keypoint",)
+"""What `labels` makes anew from the other fields."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,7 @@ class Rows:
         tool_pose: X_WE, (n, 7).
         contact_point: measured contact of tool and object in W, NaN without, (n, 3).
         target: the p_target in W that the expert chose on seeing the row, NaN in last rows, (n, 3).
+        action: the tool action that the expert chose on seeing the row, m and rad, (n, 6).
     """
 
     objects: Sequence[tuple[str, float]]
@@ -55,6 +60,7 @@ class Rows:
     tool_pose: NDArray[np.float64]
     contact_point: NDArray[np.float64]
     target: NDArray[np.float64]
+    action: NDArray[np.float64]
 
     def __len__(self) -> int:
         return len(self.episode)
@@ -68,7 +74,8 @@ def read_rows(data_dir: Path, *, keep_failures: bool = False) -> Rows:
         keep_failures: whether to read episodes that failed too.
 
     Raises:
-        UserError: see `open_dataset`; or no episode is left.
+        UserError: see `open_dataset`; or no episode is left, or a number is not finite where one
+            is needed.
     """
     dataset = open_dataset(data_dir)
     episodes = dataset.episodes
@@ -98,9 +105,29 @@ def _read_columns(dataset: DataSet, numbers: pa.ChunkedArray) -> dict[str, NDArr
     """Reads the rows of some episodes, a part at a time, so that the others take no memory."""
     wanted = {"episode": "episode_index", **COLUMNS}
     parts: dict[str, list[NDArray[Any]]] = {name: [] for name in wanted}
-    for table in dataset.batches(list(wanted.values())):
+    for table in dataset.batches([*wanted.values(), *_ONLY_CHECKED]):
         mine = table.filter(pc.is_in(table["episode_index"], value_set=numbers))
+        _check_finite(dataset.folder, mine)
         for name, field in wanted.items():
             values = to_array(mine[field])
             parts[name].append(values.astype(np.float64) if values.dtype.kind == "f" else values)
     return {name: np.concatenate(part) for name, part in parts.items()}
+
+
+def _check_finite(folder: Path, table: pa.Table) -> None:
+    """Checks that numbers are finite, or NaN all together where the field may be missing."""
+    may_be_nan = {feature.name for feature in FEATURES if feature.may_be_nan}
+    for name in table.column_names:
+        values = to_array(table[name]).reshape(len(table), -1)
+        if values.dtype.kind != "f":
+            continue
+        fine = np.isfinite(values).all(axis=1)
+        if name in may_be_nan:
+            fine |= np.isnan(values).all(axis=1)
+        if not fine.all():
+            row = int(fine.argmin())
+            raise UserError(
+                f"data {folder}: {name} is {values[row].tolist()} in episode "
+                f"{table['episode_index'][row]}; allowed: finite numbers"
+                f"{', or NaN in all of them' if name in may_be_nan else ''}"
+            )

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from keypush.dataset.poses import rotations
 from keypush.learning.clouds import CloudBank
-from keypush.learning.goal_frame import LENGTH, GoalFrames
+from keypush.learning.goal_frame import GoalFrames
+from keypush.learning.inference.goal_frame import LENGTH
 from keypush.learning.rows import Rows
 from keypush.networks.surface_keypoint_network import NetworkInput
 

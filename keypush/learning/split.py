@@ -4,17 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from keypush.errors import UserError
-from keypush.learning.config import TrainingConfig
+from keypush.learning.config import DataConfig
 from keypush.learning.rows import Rows
-from keypush.learning.scenes import SceneTable
 from keypush.seeding import make_generator
 
 
 @dataclass(frozen=True)
 class Split:
-    """Indices of rows that have a label."""
+    """Indices of rows that teach something."""
 
     train: torch.Tensor
     validation: torch.Tensor
@@ -23,8 +23,13 @@ class Split:
     """All episodes of the other objects."""
 
 
-def split_rows(rows: Rows, scenes: SceneTable, config: TrainingConfig) -> Split:
+def split_rows(rows: Rows, usable: NDArray[np.bool_], config: DataConfig) -> Split:
     """Splits by whole episodes, so that no neighbour of a validation row is trained on.
+
+    Args:
+        rows: all rows.
+        usable: which of them teach something, (n,).
+        config: settings.
 
     Raises:
         UserError: a held-out object is not in the data, or too few episodes have labels.
@@ -35,9 +40,8 @@ def split_rows(rows: Rows, scenes: SceneTable, config: TrainingConfig) -> Split:
         raise UserError(
             f"held_out_objects has {', '.join(unknown)}; allowed: {', '.join(sorted(set(names)))}"
         )
-    labelled = torch.isfinite(scenes.label).all(dim=1).numpy()
-    held_out = np.isin(names, config.held_out_objects)[rows.object_index] & labelled
-    usable = labelled & ~held_out
+    held_out = np.isin(names, config.held_out_objects)[rows.object_index] & usable
+    usable = usable & ~held_out
     episodes = np.unique(rows.episode[usable])
     if len(episodes) < 2:
         raise UserError(

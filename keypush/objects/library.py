@@ -107,7 +107,9 @@ def load_object(name: str) -> ObjectAsset:
         UserError: there is no such object, or its files are damaged.
     """
     folder = object_folder(name)
-    return _load(folder, (folder / "object.json").stat().st_mtime_ns)
+    description = folder / "object.json"
+    # Where it is gone, reading it says so.
+    return _load(folder, description.stat().st_mtime_ns if description.exists() else 0)
 
 
 def make_object(name: str, size_ratio: float = 1.0, mass: float | None = None) -> ObjectModel:

@@ -5,14 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from keypush.learning.card import trained_objects
+from keypush.policies import POLICIES, weights_name
 from keypush.rollout.episode import EpisodeResult
 from keypush.scenario import Scenario
 
-_POLICIES = {
-    "keypoint": "a trained network predicts the keypoint from the noisy cloud",
-    "expert": "the analytic expert, which knows the true pose and shape, chooses the contact",
-    "centroid": "no learning: the keypoint is the centroid of the noisy cloud",
-}
 _FAILURES = {
     "toppled": "the {object} toppled",
     "fell": "the {object} fell off the table",
@@ -38,16 +34,17 @@ def narrate(scenario: Scenario, result: EpisodeResult) -> Narration:
     shown = scenario.object.name.replace("_", " ")
     return Narration(
         title=f"A Franka Panda pushes the {shown}{_familiarity(scenario)}.",
-        policy=f"Policy: {scenario.policy} ({_POLICIES[scenario.policy]}).",
+        policy=f"Policy: {scenario.policy} ({POLICIES[scenario.policy].description}).",
         outcome=_outcome(scenario, result, shown),
     )
 
 
 def _familiarity(scenario: Scenario) -> str:
     """Whether who drives has seen the object before; nothing where nobody has learned."""
-    if scenario.policy != "keypoint":
+    if POLICIES[scenario.policy].weights_kind is None:
         return ""
-    seen = scenario.object.name in trained_objects(scenario.predictor.weights)
+    weights = weights_name(scenario.policy, scenario.predictor.weights)
+    seen = scenario.object.name in trained_objects(weights)
     return ", a shape of its training set" if seen else ", a shape that it never saw in training"
 
 

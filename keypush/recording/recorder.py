@@ -74,7 +74,9 @@ def _record(scenario: Scenario, episode: int) -> Recording:
     narration = narrate(scenario, result)
     meshcat.PublishRecording()
     story = [narration.policy, narration.outcome]
-    html = dress_page(meshcat.StaticHtml(), narration.title, story, _LEGEND, time_bar=True)
+    # A policy without a keypoint has none to explain.
+    shown = _LEGEND if np.isfinite(keypoints).any() else _LEGEND[:-1]
+    html = dress_page(meshcat.StaticHtml(), narration.title, story, shown, time_bar=True)
     return Recording(result, narration, html)
 
 

@@ -33,7 +33,16 @@ MISTAKES: list[tuple[list[str], list[str]]] = [
     (["demo", "--set", "table={", "--seed", "1"], ["--set 'table={'"]),
     (["demo", "--set", "object=1", "--object", "mug"], ["object.name"]),
     (["demo", "--seed", "-1"], ["seed is -1"]),
+    (["demo", "--policy", "keypuncher"], ["policy is 'keypuncher'", "keypoint_no_com, behavior"]),
     (["demo", "--set", "predictor.weights=nothing"], ["weights 'nothing'", ".safetensors"]),
+    (
+        ["demo", "--policy", "behavior_cloning", "--set", "predictor.weights=surface_no_com"],
+        ["policy behavior_cloning", "'surface_keypoint'; allowed here: behavior_cloning"],
+    ),
+    (
+        ["evaluate", "--policy", "surface", "--weights", "surface_no_com", "--out", "e"],
+        ["policy surface", "use_com is false; allowed: true; policy surface_no_com takes these"],
+    ),
     (["evaluate", "--weights", "none.safetensors", "--out", "e"], ["none.safetensors"]),
     (["evaluate", "--objects", "mug,teapot", "--out", "e"], ["'teapot'"]),
     (["evaluate", "--objects", ",", "--out", "e"], ["','", "unseen"]),

@@ -267,7 +267,10 @@ def test_a_start_box_whose_corners_are_swapped_is_refused() -> None:
         ("object: {mass: .inf}", ["object.mass is inf"]),
         ("object: {mass: 10.00000001}", ["object.mass is 10.00000001; allowed: 0.001 to 10"]),
         ("object: {name: 3}", ["object.name is 3; allowed: a text"]),
-        ("policy: null", ["policy is null; allowed: expert, keypoint, centroid"]),
+        (
+            "policy: null",
+            ["policy is null; allowed: expert, keypoint, keypoint_no_com, behavior_cloning, "],
+        ),
         ("episode: {goal: a}", ["episode.goal is 'a'; allowed: a list of two numbers, or null"]),
         ("episode: {goal: [0.1, a]}", ["episode.goal is [0.1, 'a']; allowed: a list of two"]),
         (

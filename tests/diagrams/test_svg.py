@@ -6,7 +6,7 @@ from pydrake.systems.framework import Diagram
 
 from diagrams.push_diagram import MakePushDiagram
 from diagrams.svg import diagram_svg
-from keypush.learning.predict import CentroidKeypoint
+from keypush.learning.baselines import CentroidKeypoint
 from keypush.scenario import Scenario
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -3,7 +3,8 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from keypush.learning.goal_frame import LENGTH, GoalFrame, GoalFrames
+from keypush.learning.goal_frame import GoalFrames
+from keypush.learning.inference.goal_frame import LENGTH, GoalFrame
 from tests.learning.scenes import make_hand
 
 SEEDS = st.integers(0, 2**32 - 1)

@@ -45,6 +45,7 @@ def _rows(
         tool_pose=np.array([_pose(0.0, 0.0)] * n),
         contact_point=np.array(contacts, dtype=float),
         target=zeros + 0.5,
+        action=np.zeros((n, 6)),
     )
 
 

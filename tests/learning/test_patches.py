@@ -3,7 +3,8 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from keypush.learning.patches import group_patches, group_patches_batch
+from keypush.learning.inference.patches import group_patches
+from keypush.learning.patches import group_patches_batch
 
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -8,12 +8,14 @@ import torch
 from safetensors.torch import load_file
 
 from keypush.errors import UserError
-from keypush.learning import train as module
+from keypush.learning.checkpoint import load_network
 from keypush.learning.config import TrainingConfig
-from keypush.learning.predict import load_keypoint_model
-from keypush.learning.train import STATE, WEIGHTS, rate, train
+from keypush.learning.lightning_run import CHECKPOINTS, LAST
+from keypush.learning.surface_module import SurfaceModule, rate
+from keypush.learning.train import WEIGHTS, train
 from keypush.networks.config import SurfaceConfig
-from tests.learning.scenes import SMALL, make_cloud, make_hand
+from keypush.networks.surface_keypoint_network import SurfaceKeypointNetwork
+from tests.learning.scenes import SMALL
 from tests.learning.synthetic import STEPS, write_data
 
 QUICK = TrainingConfig(
@@ -31,14 +33,14 @@ def test_resumed_run_ends_with_the_same_bits(
     data_dir: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     train(data_dir, tmp_path / "once", QUICK)
-    original = module.train_epoch
+    original = SurfaceModule.batches
 
-    def interrupted(state, *args):  # type: ignore[no-untyped-def]  # stands in for train_epoch
-        if state.epoch == 1:
+    def interrupted(self, epoch):  # type: ignore[no-untyped-def]  # stands in for batches
+        if epoch == 1:
             raise KeyboardInterrupt
-        return original(state, *args)
+        return original(self, epoch)
 
-    monkeypatch.setattr(module, "train_epoch", interrupted)
+    monkeypatch.setattr(SurfaceModule, "batches", interrupted)
     with pytest.raises(KeyboardInterrupt):
         train(data_dir, tmp_path / "twice", QUICK)
     monkeypatch.undo()
@@ -74,10 +76,7 @@ def test_result_loads_and_says_where_it_came_from(data_dir: Path, tmp_path: Path
     assert description["metrics"] == metrics
     assert description["training"]["label"] == "measured"
     assert description["data"]["seeds"] == [0]
-    rng = np.random.default_rng(0)
-    model = load_keypoint_model(tmp_path / WEIGHTS)
-    p_WK = model.predict(make_cloud(rng), np.array([0.1, 0.0]), None, make_hand(rng))
-    assert np.isfinite(p_WK).all()
+    assert load_network(tmp_path / WEIGHTS, SurfaceKeypointNetwork).config == SMALL
 
 
 def test_small_network_learns_where_to_push(data_dir: Path, tmp_path: Path) -> None:
@@ -100,6 +99,7 @@ def test_small_network_learns_where_to_push(data_dir: Path, tmp_path: Path) -> N
     [
         ({"epochs": 0}, "epochs is 0; allowed: 1 to"),
         ({"learning_rate": float("nan")}, "learning_rate is nan; allowed"),
+        ({"accelerator": "abacus"}, "accelerator is 'abacus'; allowed: cpu, gpu, auto"),
         ({"label": "guessed"}, "label is 'guessed'; allowed: measured, analytic"),
         ({"held_out_objects": ["mug"]}, "held_out_objects has mug; allowed: bottle, can, l_block"),
         ({"held_out_objects": ["bottle", "can", "l_block"]}, "0 episodes have labelled rows"),
@@ -114,13 +114,50 @@ def test_bad_configurations_are_named(
         train(data_dir, tmp_path, dataclasses.replace(QUICK, **change))  # type: ignore[arg-type]  # wrong on purpose
 
 
-def test_state_of_another_run_is_refused(data_dir: Path, tmp_path: Path) -> None:
+def test_checkpoint_of_another_run_is_refused(data_dir: Path, tmp_path: Path) -> None:
     train(data_dir, tmp_path, dataclasses.replace(QUICK, epochs=1))
-    with pytest.raises(UserError, match=r"training\.pt: is from a run with other values of epochs"):
+    with pytest.raises(UserError, match=r"last\.ckpt: is from a run with other values of epochs;"):
         train(data_dir, tmp_path, QUICK)
-    (tmp_path / STATE).write_bytes(b"damaged")
-    with pytest.raises(UserError, match=r"training\.pt: is no training state"):
+    (tmp_path / CHECKPOINTS / LAST).write_bytes(b"damaged")
+    with pytest.raises(UserError, match=r"last\.ckpt: is no checkpoint of `keypush`; delete it"):
         train(data_dir, tmp_path, QUICK)
+
+
+def test_patience_ends_training_and_keeps_the_best_epoch(data_dir: Path, tmp_path: Path) -> None:
+    config = dataclasses.replace(QUICK, epochs=30, learning_rate=0.1, patience=1)
+    metrics = train(data_dir, tmp_path, config)
+    errors = [entry["error_mean"] for entry in metrics["history"]]
+    assert len(errors) < 30
+    assert errors.index(min(errors)) == len(errors) - 2
+    assert metrics["validation"]["error_mean"] == pytest.approx(min(errors), rel=1e-6)
+    assert train(data_dir, tmp_path, config) == metrics  # there is nothing left to train
+
+
+@pytest.mark.skipif(torch.cuda.is_available(), reason="there is a GPU")
+def test_a_gpu_that_is_not_there_is_named(data_dir: Path, tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"accelerator is 'gpu' and devices is 1: .*; allowed: cpu"):
+        train(data_dir, tmp_path, dataclasses.replace(QUICK, accelerator="gpu"))
+
+
+def test_a_training_that_blows_up_says_so(
+    data_dir: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    original = SurfaceModule.loss
+
+    def endless(self, batch):  # type: ignore[no-untyped-def]  # stands in for loss
+        loss, rows = original(self, batch)
+        return loss * torch.inf, rows
+
+    monkeypatch.setattr(SurfaceModule, "loss", endless)
+    with pytest.raises(UserError, match=r"loss is (nan|inf) .* after epoch 1; allowed: finite"):
+        train(data_dir, tmp_path, QUICK)
+
+
+def test_logs_are_kept_for_spreadsheets_and_tensorboard(data_dir: Path, tmp_path: Path) -> None:
+    train(data_dir, tmp_path, QUICK)
+    (start,) = (tmp_path / "logs").iterdir()
+    assert "error_mean" in (start / "metrics.csv").read_text().splitlines()[0]
+    assert list(start.glob("events.out.tfevents.*"))
 
 
 def test_learning_rate_warms_up_and_falls_to_zero() -> None:

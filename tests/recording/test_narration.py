@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from keypush.policies import POLICIES
 from keypush.recording.narration import final_distance, narrate
 from keypush.rollout.episode import EpisodeResult
 from keypush.scenario import parse_scenario
@@ -65,8 +66,8 @@ def test_the_title_says_whether_the_network_was_trained_on_the_object(
     assert "network" in told.policy
 
 
-@pytest.mark.parametrize("policy", ["expert", "centroid"])
+@pytest.mark.parametrize("policy", ["expert", "geometric", "centroid"])
 def test_who_has_learned_nothing_has_seen_nothing(policy: str) -> None:
     told = narrate(parse_scenario(f"{{policy: {policy}}}"), result("fell"))
     assert told.title == "A Franka Panda pushes the mug."
-    assert policy in told.policy
+    assert told.policy == f"Policy: {policy} ({POLICIES[policy].description})."

@@ -3,12 +3,16 @@
 import socket
 from functools import cache
 from html import escape
+from pathlib import Path
 
 import numpy as np
 import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
 
 from keypush.dataset.clouds import episode_clouds
+from keypush.learning.checkpoint import save_network
+from keypush.learning.eager import random_network
+from keypush.networks.config import KeypointConfig
 from keypush.recording import recorder
 from keypush.recording.recorder import Recording, record_episode
 from keypush.rollout.episode import EpisodeResult, EpisodeRunner
@@ -87,6 +91,19 @@ def test_clouds_on_the_page_are_those_that_the_policy_saw() -> None:
     errors = [np.abs(keypoints - seen).max(axis=1) for seen in (now, before)]
     assert np.min(errors, axis=0).max() < 1e-12
     assert np.abs(now - before).max() > 1e-5
+
+
+def test_a_policy_without_a_keypoint_has_none_in_its_legend(tmp_path: Path) -> None:
+    weights = tmp_path / "mine.safetensors"
+    save_network(random_network("behavior_cloning", KeypointConfig()), weights, {})
+    acting = parse_scenario(
+        "{policy: behavior_cloning, episode: {max_steps: 1}, "
+        f"predictor: {{weights: '{weights}'}}}}"
+    )
+    html = record_episode(acting).html
+    assert "keypoint and direction" not in html
+    assert "point cloud</" in html
+    assert "keypoint and direction" in recorded().html
 
 
 def test_page_holds_title_story_and_no_unfilled_part() -> None:

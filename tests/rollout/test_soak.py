@@ -30,7 +30,7 @@ def test_500_episodes_leave_memory_flat() -> None:
     done = 0
     for number in range(rounds):
         for name in names:
-            scenario = Scenario(policy="keypoint", seed=number)
+            scenario = Scenario(policy="surface_no_com", seed=number)
             scenario.object.name = name
             gc.collect()  # as a worker does: Python does not see how much a diagram holds
             runner = EpisodeRunner(scenario)

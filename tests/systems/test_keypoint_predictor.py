@@ -10,7 +10,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context
 
-from keypush.learning.predict import KeypointModel
+from keypush.learning.model import KeypointModel
 from keypush.systems.keypoint_predictor import KeypointPredictor
 from tests.systems.contract import assert_pure, assert_resets, ports
 

@@ -13,8 +13,9 @@ from pydrake.systems.framework import Diagram, LeafSystem, System
 
 import keypush.systems
 from diagrams.push_diagram import MakePushDiagram
-from keypush.learning.predict import CentroidKeypoint
-from keypush.scenario import POLICIES, Scenario
+from keypush.learning.baselines import CentroidKeypoint
+from keypush.policies import POLICIES
+from keypush.scenario import Scenario
 
 
 def _system_classes() -> list[type[LeafSystem]]:

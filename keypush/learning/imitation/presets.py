@@ -1,0 +1,34 @@
+"""The trainings that have a name."""
+
+from dataclasses import replace
+from typing import Any
+
+from keypush.errors import UserError
+from keypush.learning.imitation.config import ImitationConfig
+
+PRESETS: dict[str, dict[str, Any]] = {
+    "affordable": {},
+    "thesis": {"rows_per_object": 0, "batch": 64, "learning_rate": 4e-4, "cache": False},
+}
+"""Fields of `ImitationConfig` that differ from their defaults, by name."""
+
+
+def preset_config(config: ImitationConfig, name: str) -> ImitationConfig:
+    """Returns the settings of a preset.
+
+    Args:
+        config: its fields stay what they are where they differ from the defaults.
+        name: one of `PRESETS`.
+
+    Raises:
+        UserError: there is no such preset.
+    """
+    if name not in PRESETS:
+        raise UserError(f"preset is {name!r}; allowed: {', '.join(PRESETS)}")
+    default = ImitationConfig()
+    wanted = {
+        field: value
+        for field, value in PRESETS[name].items()
+        if getattr(config, field) == getattr(default, field)
+    }
+    return replace(config, **wanted)

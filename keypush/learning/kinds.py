@@ -1,0 +1,66 @@
+"""The kinds of networks that weights may be of, and their sizes as a card tells them."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from keypush.errors import UserError, one_line
+from keypush.learning.card import read_card
+from keypush.networks.config import WIDTH, EncoderConfig, KeypointConfig, SurfaceConfig
+
+Sizes = EncoderConfig | KeypointConfig | SurfaceConfig
+
+KINDS: Mapping[str, type[Sizes]] = {
+    "contact": EncoderConfig,
+    "keypoint": KeypointConfig,
+    "behavior_cloning": KeypointConfig,
+    "surface_keypoint": SurfaceConfig,
+}
+"""Configuration by the kind that the card names."""
+
+
+def read_sizes(weights: Path, allowed: Collection[str]) -> tuple[str, Any]:
+    """Reads the kind of a network and its configuration from the card of its weights.
+
+    Args:
+        weights: the `.safetensors` file.
+        allowed: kinds.
+
+    Raises:
+        UserError: the card cannot be read, names another kind, or sizes that make no network.
+    """
+    card, told = read_card(weights), f"weights' card {weights.with_suffix('.json')}"
+    kind = card.get("kind", "")
+    if kind not in KINDS:
+        raise UserError(f"{told}: kind is {kind!r}; allowed: {', '.join(KINDS)}")
+    if kind not in allowed:
+        raise UserError(f"weights {weights}: kind is {kind!r}; allowed here: {', '.join(allowed)}")
+    try:
+        sizes = _make_sizes(KINDS[kind], card["network"])
+    except (KeyError, TypeError) as error:
+        raise UserError(
+            f"{told}: expected the sizes of the network under 'network': {one_line(error)}"
+        ) from error
+    _check_sizes(sizes, told)
+    return kind, sizes
+
+
+def _make_sizes(config: type[Sizes], values: Mapping[str, Any]) -> Sizes:
+    if config is KeypointConfig:
+        return KeypointConfig(**{**values, "encoder": EncoderConfig(**values["encoder"])})
+    return config(**values)
+
+
+def _check_sizes(sizes: Sizes, told: str) -> None:
+    """Checks what no shape of a tensor tells."""
+    width = getattr(sizes, "width", WIDTH)
+    for spec in fields(sizes):
+        value = getattr(sizes, spec.name)
+        if isinstance(value, EncoderConfig):
+            _check_sizes(value, told)
+        elif spec.type == "int" or spec.type is int:
+            divides = spec.name.endswith("heads")
+            if type(value) is not int or value < 1 or (divides and width % value):
+                allowed = f"a divisor of {width}" if divides else "a whole number from 1"
+                raise UserError(f"{told}: {spec.name} is {value!r}; allowed: {allowed}")

@@ -1,0 +1,48 @@
+"""What every training has in common; no torch is needed to read it."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from keypush.scenario_check import check_values
+
+PRECISIONS = ("32", "bf16")
+ACCELERATORS = ("cpu", "gpu", "auto")
+
+
+def number(default: float, low: float, high: float) -> Any:
+    """A numeric field with its closed range of allowed values."""
+    return field(default=default, metadata={"range": (low, high)})
+
+
+def choice(default: str, allowed: tuple[str, ...]) -> Any:
+    """A field of text with its allowed values."""
+    return field(default=default, metadata={"allowed": allowed})
+
+
+@dataclass(kw_only=True)
+class RunConfig:
+    """How a run goes; see `lightning_run`."""
+
+    seed: int = number(0, 0, 2**53)
+    """Root of every random draw."""
+    epochs: int = number(8, 1, 10_000)
+    """Passes over the rows."""
+    batch: int = number(256, 1, 65_536)
+    """Rows per optimiser step."""
+    patience: int = number(0, 0, 10_000)
+    """Epochs without progress in validation after which training stops, and the best epoch's
+    weights are kept; 0: never, and the last epoch's are."""
+    precision: str = choice("32", PRECISIONS)
+    """Of the arithmetic: single, or bfloat16 where that is safe."""
+    accelerator: str = choice("cpu", ACCELERATORS)
+    """What computes; auto: the best that is there."""
+    devices: int = number(1, 1, 64)
+    """How many of them; they share the rows of an epoch, and a step takes `batch` rows of each."""
+
+    def validate(self) -> None:
+        """Checks every field's range.
+
+        Raises:
+            UserError: names the field, what it holds and what is allowed.
+        """
+        check_values(self)
