@@ -4,7 +4,7 @@ RUN := scripts/uv.sh run --frozen
 .PHONY: demo test test-slow check lint types format
 
 demo: ## One push of an unseen object: prints the outcome, writes out/demo/recording.html
-	$(RUN) --no-dev keypush demo --out out/demo
+	$(RUN) --no-dev keypush demo --object bumpy_toy --out out/demo
 
 test: ## The tests that take seconds
 	$(RUN) pytest -n auto --dist loadfile

@@ -33,8 +33,16 @@ def digest_of(arrays: Iterable[NDArray[Any]]) -> str:
 
 
 def command_line() -> list[str]:
-    """Returns the words of the command that runs."""
-    return [Path(sys.argv[0]).name, *sys.argv[1:]]
+    """Returns the words of the command that runs; cards travel, so paths of this machine do not."""
+    return [Path(sys.argv[0]).name, *(_portable(word) for word in sys.argv[1:])]
+
+
+def _portable(word: str) -> str:
+    """Returns an absolute path as seen from here, or its name alone where it lies elsewhere."""
+    path = Path(word)
+    if not path.is_absolute():
+        return word
+    return str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else path.name
 
 
 def git_revision() -> str:
