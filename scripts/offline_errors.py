@@ -1,6 +1,6 @@
 """Measures how far predicted keypoints lie from the label, on a data set of any objects.
 
-    scripts/uv.sh run scripts/offline_errors.py DATA OUT.json [POLICY...]
+    scripts/uv.sh run scripts/offline_errors.py DATA OUT.json [POLICY[=WEIGHTS]...]
 
 The clouds are those that the sensor gave in the data set's episodes, to the last bit. Errors are
 the distance to the measured contact, its horizontal part, and the part across the push; their means
@@ -37,9 +37,10 @@ Array = NDArray[np.float64]
 def models(names: list[str]) -> dict[str, KeypointModel]:
     """Makes the models of keypoint policies; those without weights are left out, and told."""
     found: dict[str, KeypointModel] = {}
-    for name in names:
+    for given in names:
+        name, _, weights = given.partition("=")
         try:
-            model = policy_model(name, SHIPPED)
+            model = policy_model(name, weights or SHIPPED)
         except UserError as error:
             print(error)
             continue
