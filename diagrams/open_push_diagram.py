@@ -2,13 +2,12 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
+from pydrake.geometry import Meshcat, MeshcatVisualizer
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 
+from diagrams.episode_parts import add_goal_and_monitor, add_push_planner, add_visualizer, connect
 from diagrams.station import MakePushStation, PushStation
-from keypush.control.arm_kinematics import ArmKinematics
 from keypush.objects.library import make_object
 from keypush.scenario import Scenario
 from keypush.systems.episode_monitor import EpisodeMonitor
@@ -47,54 +46,16 @@ def MakeOpenPushDiagram(
     builder = DiagramBuilder()
     station = MakePushStation(scenario, model, visuals=meshcat is not None)
     builder.AddSystem(station.diagram)
-    goal = ConstantVectorSource(np.zeros(2))
-    goal.set_name("goal")
-    builder.AddSystem(goal)
-    monitor = _add_monitor(builder, station, goal, scenario)
+    goal, monitor = add_goal_and_monitor(builder, station.diagram, model, scenario)
     tool_action, planner = station.diagram.GetInputPort("tool_action"), None
     if port == "keypoint":
-        planner = _add_planner(builder, station, goal, monitor, scenario)
+        planner = add_push_planner(builder, station.diagram, goal, scenario)
+        connect(builder, monitor, planner, ["halted"])
         builder.Connect(planner.GetOutputPort("tool_action"), tool_action)
         builder.ExportInput(planner.GetInputPort("keypoint"), port)
     else:
         builder.ExportInput(tool_action, port)
-    visualizer = None
-    if meshcat is not None:
-        visualizer = MeshcatVisualizer.AddToBuilder(
-            builder,
-            station.diagram.GetOutputPort("query_object"),
-            meshcat,
-            MeshcatVisualizerParams(publish_period=scenario.episode.policy_period),
-        )
+    visualizer = add_visualizer(builder, station.diagram, scenario, meshcat)
     diagram = builder.Build()
     diagram.set_name("open_push")
     return OpenPushDiagram(diagram, station, goal, monitor, planner, visualizer)
-
-
-def _add_monitor(
-    builder: DiagramBuilder, station: PushStation, goal: ConstantVectorSource, scenario: Scenario
-) -> EpisodeMonitor:
-    points = station.model.reference_points
-    monitor = EpisodeMonitor(points, scenario.episode, scenario.table)
-    builder.AddSystem(monitor)
-    for name in ("object_pose", "object_com", "tool_pose"):
-        builder.Connect(station.diagram.GetOutputPort(name), monitor.GetInputPort(name))
-    builder.Connect(goal.get_output_port(), monitor.GetInputPort("goal"))
-    return monitor
-
-
-def _add_planner(
-    builder: DiagramBuilder,
-    station: PushStation,
-    goal: ConstantVectorSource,
-    monitor: EpisodeMonitor,
-    scenario: Scenario,
-) -> PushPlanner:
-    arm, period = ArmKinematics(scenario.robot), scenario.episode.policy_period
-    planner = PushPlanner(arm, scenario.planner, scenario.control, scenario.table, period)
-    builder.AddSystem(planner)
-    for name in ("tool_pose", "arm_state"):
-        builder.Connect(station.diagram.GetOutputPort(name), planner.GetInputPort(name))
-    builder.Connect(goal.get_output_port(), planner.GetInputPort("goal"))
-    builder.Connect(monitor.GetOutputPort("halted"), planner.GetInputPort("halted"))
-    return planner

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
-from pydrake.systems.framework import Diagram, DiagramBuilder, System
+from pydrake.geometry import Meshcat, MeshcatVisualizer
+from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput, VectorLogSink
 
+from diagrams.episode_parts import add_goal_and_monitor, add_push_planner, add_visualizer, connect
 from diagrams.station import MakePushStation, PushStation
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.learning.model import ActionModel, KeypointModel, PolicyModel
@@ -73,14 +73,7 @@ def MakePushDiagram(
     station = MakePushStation(scenario, model, visuals=meshcat is not None)
     builder.AddSystem(station.diagram)
     policy = add_policy(builder, station.diagram, model, scenario, policy_model)
-    visualizer = None
-    if meshcat is not None:
-        visualizer = MeshcatVisualizer.AddToBuilder(
-            builder,
-            station.diagram.GetOutputPort("query_object"),
-            meshcat,
-            MeshcatVisualizerParams(publish_period=scenario.episode.policy_period),
-        )
+    visualizer = add_visualizer(builder, station.diagram, scenario, meshcat)
     diagram = builder.Build()
     diagram.set_name("push")
     return PushDiagram(
@@ -111,11 +104,7 @@ def add_policy(
         scenario: all constants; `scenario.policy` says who drives.
         policy_model: see `MakePushDiagram`.
     """
-    goal = ConstantVectorSource(np.zeros(2))
-    goal.set_name("goal")
-    monitor = EpisodeMonitor(model.reference_points, scenario.episode, scenario.table)
-    builder.AddSystem(goal)
-    builder.AddSystem(monitor)
+    goal, monitor = add_goal_and_monitor(builder, station, model, scenario)
     planner: Driver
     predictor = None
     if scenario.policy == "expert":
@@ -128,18 +117,10 @@ def add_policy(
             predictor, planner = _add_keypoint_policy(
                 builder, station, goal, scenario, policy_model
             )
-    _connect(builder, station, monitor, ["object_pose", "object_com", "tool_pose"])
-    builder.Connect(goal.get_output_port(), monitor.GetInputPort("goal"))
-    builder.Connect(monitor.GetOutputPort("halted"), planner.GetInputPort("halted"))
-    builder.Connect(planner.GetOutputPort("tool_action"), station.GetInputPort("tool_action"))
+    connect(builder, monitor, planner, ["halted"])
+    connect(builder, planner, station, ["tool_action"])
     log = _add_logger(builder, station, goal, planner, scenario.episode.policy_period)
     return PushPolicy(goal, planner, monitor, log, predictor)
-
-
-def _connect(builder: DiagramBuilder, source: System, sink: System, names: list[str]) -> None:
-    """Connects ports that have the same name on both sides."""
-    for name in names:
-        builder.Connect(source.GetOutputPort(name), sink.GetInputPort(name))
 
 
 def _add_expert(
@@ -159,7 +140,7 @@ def _add_expert(
         scenario.episode.policy_period,
     )
     builder.AddSystem(planner)
-    _connect(builder, station, planner, ["object_pose", "object_com", "tool_pose", "arm_state"])
+    connect(builder, station, planner, ["object_pose", "object_com", "tool_pose", "arm_state"])
     builder.Connect(goal.get_output_port(), planner.GetInputPort("goal"))
     return planner
 
@@ -173,14 +154,10 @@ def _add_keypoint_policy(
 ) -> tuple[KeypointPredictor, PushPlanner]:
     period = scenario.episode.policy_period
     predictor = KeypointPredictor(model, scenario.noise.cloud_points, period)
-    arm = ArmKinematics(scenario.robot)
-    planner = PushPlanner(arm, scenario.planner, scenario.control, scenario.table, period)
     builder.AddSystem(predictor)
-    builder.AddSystem(planner)
     _connect_scene(builder, station, goal, predictor, model)
-    _connect(builder, station, planner, ["tool_pose", "arm_state"])
-    builder.Connect(goal.get_output_port(), planner.GetInputPort("goal"))
-    _connect(builder, predictor, planner, ["keypoint"])
+    planner = add_push_planner(builder, station, goal, scenario)
+    connect(builder, predictor, planner, ["keypoint"])
     return predictor, planner
 
 
@@ -207,7 +184,7 @@ def _connect_scene(
 ) -> None:
     """Connects what a model may see."""
     seen = ["point_cloud", "tool_pose"]
-    _connect(builder, station, system, [*seen, "object_com"] if model.uses_com else seen)
+    connect(builder, station, system, [*seen, "object_com"] if model.uses_com else seen)
     builder.Connect(goal.get_output_port(), system.GetInputPort("goal"))
 
 
@@ -219,13 +196,13 @@ def _add_logger(
     period: float,
 ) -> VectorLogSink:
     logger = builder.AddSystem(EpisodeLogger())
-    _connect(
+    connect(
         builder,
         station,
         logger,
         ["object_pose", "object_com", "tool_pose", "arm_state", "contact"],
     )
-    _connect(builder, planner, logger, ["stage", "tool_action", "contact_target"])
+    connect(builder, planner, logger, ["stage", "tool_action", "contact_target"])
     builder.Connect(goal.get_output_port(), logger.GetInputPort("goal"))
     log = LogVectorOutput(logger.GetOutputPort("row"), builder, publish_period=period)
     log.set_name("episode_log")

@@ -10,6 +10,7 @@ import torch
 from safetensors.torch import save
 from torch import nn
 
+from keypush.atomic_file import write_atomically
 from keypush.errors import UserError, one_line
 from keypush.learning.card import weights_path
 from keypush.learning.kinds import read_sizes
@@ -38,8 +39,8 @@ def save_network(network: nn.Module, path: Path, record: Mapping[str, Any]) -> N
     kind = next(name for name, known in NETWORKS.items() if type(network) is known)
     config: Any = network.config
     description = {"kind": kind, "network": dataclasses.asdict(config), **record}
-    write_atomically(path, save({k: v.contiguous() for k, v in network.state_dict().items()}))
-    write_atomically(path.with_suffix(".json"), (json.dumps(description, indent=2) + "\n").encode())
+    write_whole(path, save({k: v.contiguous() for k, v in network.state_dict().items()}))
+    write_whole(path.with_suffix(".json"), (json.dumps(description, indent=2) + "\n").encode())
 
 
 def load_network[Network: nn.Module](name_or_path: str | Path, wanted: type[Network]) -> Network:
@@ -65,17 +66,15 @@ def load_network[Network: nn.Module](name_or_path: str | Path, wanted: type[Netw
     return network.eval()
 
 
-def write_atomically(path: Path, content: bytes) -> None:
-    """Writes a file through a temporary one, so that no reader sees half of it.
+def write_whole(path: Path, content: bytes) -> None:
+    """Writes a file whole or not at all, and its folder where it is missing.
 
     Raises:
         UserError: the folder cannot be written.
     """
-    temporary = path.with_name(path.name + ".tmp")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_bytes(content)
-        temporary.replace(path)
+        write_atomically(content, path)
     except OSError as error:
         raise UserError(f"{path}: cannot be written: {one_line(error)}") from error
 

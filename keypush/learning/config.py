@@ -36,8 +36,6 @@ class TrainingConfig(DataConfig):
     """Rows per optimiser step."""
     learning_rate: float = number(1e-3, 1e-7, 1.0)
     """Peak of AdamW's rate: linear warm-up over a twentieth of the steps, then cosine to 0."""
-    weight_decay: float = number(0.01, 0.0, 10.0)
-    """AdamW's weight decay."""
     max_gradient: float = number(1.0, 1e-6, 1e6)
     """Norm to which gradients are clipped."""
     augment: bool = True

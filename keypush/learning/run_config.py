@@ -29,6 +29,10 @@ class RunConfig:
     """Passes over the rows."""
     batch: int = number(256, 1, 65_536)
     """Rows per optimiser step."""
+    learning_rate: float = number(1e-3, 1e-7, 1.0)
+    """Peak of AdamW's rate."""
+    weight_decay: float = number(0.01, 0.0, 10.0)
+    """AdamW's weight decay."""
     patience: int = number(0, 0, 10_000)
     """Epochs without progress in validation after which training stops, and the best epoch's
     weights are kept; 0: never, and the last epoch's are."""

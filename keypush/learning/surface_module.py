@@ -3,12 +3,11 @@
 from collections.abc import Iterator, Sequence
 from typing import ClassVar, override
 
-import numpy as np
 import torch
 
 from keypush.learning.clouds import CloudBank, Sampler, draw_clouds
 from keypush.learning.config import TrainingConfig
-from keypush.learning.lightning_run import EpochModule
+from keypush.learning.cosine_module import CosineModule
 from keypush.learning.metrics import evaluate
 from keypush.learning.scenes import SceneTable, augment, to_network, with_clouds
 from keypush.networks.surface_keypoint_network import NetworkInput, SurfaceKeypointNetwork
@@ -18,7 +17,7 @@ Batch = tuple[tuple[torch.Tensor, ...], torch.Tensor]
 """Fields of a `NetworkInput`, and labels p_GK (B, 3)."""
 
 
-class SurfaceModule(EpochModule):
+class SurfaceModule(CosineModule):
     """New surface points, noise and augmentation in every epoch; the loss is the distance."""
 
     MONITOR: ClassVar[str] = "error_mean"
@@ -60,29 +59,6 @@ class SurfaceModule(EpochModule):
     def errors(self) -> dict[str, float]:
         """See `metrics.evaluate`."""
         return evaluate(self.surface, self._validation, self._samplers, self.config)
-
-    @override
-    def learning_rate(self, epochs: float) -> float:
-        """Warm-up, then cosine."""
-        return self.config.learning_rate * rate(epochs / self.config.epochs)
-
-    @override
-    def configure_optimizers(self) -> torch.optim.Optimizer:
-        """AdamW."""
-        return torch.optim.AdamW(
-            self.network.parameters(),
-            lr=self.config.learning_rate,
-            weight_decay=self.config.weight_decay,
-            foreach=True,
-        )
-
-
-def rate(done: float) -> float:
-    """The share of the peak learning rate when a share `done` of the steps is behind."""
-    warm_up = 0.05
-    if done < warm_up:
-        return (done + 0.001) / (warm_up + 0.001)
-    return float(0.5 + 0.5 * np.cos(np.pi * (done - warm_up) / (1 - warm_up)))
 
 
 class _AugmentedBatches:

@@ -3,8 +3,8 @@
 from dataclasses import replace
 from typing import Any
 
-from keypush.errors import UserError
-from keypush.scenario import PlannerConfig, Scenario
+from keypush.presets import with_preset
+from keypush.scenario import Scenario
 
 EXPERTS: dict[str, dict[str, Any]] = {
     "tuned": {},
@@ -33,12 +33,5 @@ def expert_scenario(scenario: Scenario, name: str) -> Scenario:
     Raises:
         UserError: there is no such expert.
     """
-    if name not in EXPERTS:
-        raise UserError(f"expert is {name!r}; allowed: {', '.join(EXPERTS)}")
-    default = PlannerConfig()
-    wanted = {
-        field: value
-        for field, value in EXPERTS[name].items()
-        if getattr(scenario.planner, field) == getattr(default, field)
-    }
-    return replace(scenario, policy="expert", planner=replace(scenario.planner, **wanted))
+    planner = with_preset(scenario.planner, "expert", EXPERTS, name)
+    return replace(scenario, policy="expert", planner=planner)

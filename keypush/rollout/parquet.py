@@ -1,15 +1,11 @@
-"""Arrays and summaries as Parquet files, and files written whole or not at all."""
+"""Arrays and summaries as Parquet files."""
 
-import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
-
-TEMPORARY_SUFFIX = ".partial"
 
 Rows = Mapping[str, NDArray[np.generic]]
 
@@ -37,26 +33,6 @@ def parquet_bytes(table: pa.Table) -> bytes:
     sink = pa.BufferOutputStream()
     pq.write_table(table, sink, compression="zstd", write_page_checksum=True)
     return bytes(sink.getvalue().to_pybytes())
-
-
-def write_atomically(content: bytes, path: Path) -> None:
-    """Writes a file beside `path` and renames it.
-
-    Under its name a file is whole, also after a loss of power.
-
-    Raises:
-        OSError: the file cannot be written; nothing is left of it.
-    """
-    partial = path.with_name(f".{path.name}.{os.getpid()}{TEMPORARY_SUFFIX}")
-    try:
-        with partial.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        partial.replace(path)
-    except OSError:
-        partial.unlink(missing_ok=True)
-        raise
 
 
 def _column(parts: list[NDArray[np.generic]]) -> pa.Array:

@@ -8,9 +8,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import yaml
 
+from keypush.atomic_file import TEMPORARY_SUFFIX, write_atomically
 from keypush.errors import UserError, one_line
 from keypush.rollout.job import Block, Job
-from keypush.rollout.parquet import TEMPORARY_SUFFIX, write_atomically
 from keypush.rollout.shard import Shard, check_shard, shard_columns
 from keypush.scenario import dump_scenario
 

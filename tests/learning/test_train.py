@@ -10,8 +10,9 @@ from safetensors.torch import load_file
 from keypush.errors import UserError
 from keypush.learning.checkpoint import load_network
 from keypush.learning.config import TrainingConfig
+from keypush.learning.cosine_module import rate
 from keypush.learning.lightning_run import CHECKPOINTS, LAST
-from keypush.learning.surface_module import SurfaceModule, rate
+from keypush.learning.surface_module import SurfaceModule
 from keypush.learning.train import WEIGHTS, train
 from keypush.networks.config import SurfaceConfig
 from keypush.networks.surface_keypoint_network import SurfaceKeypointNetwork

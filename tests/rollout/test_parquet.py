@@ -7,12 +7,8 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from keypush.rollout.parquet import (
-    parquet_bytes,
-    table_from_rows,
-    table_from_summaries,
-    write_atomically,
-)
+from keypush.atomic_file import write_atomically
+from keypush.rollout.parquet import parquet_bytes, table_from_rows, table_from_summaries
 
 
 def test_columns_keep_shape_type_and_value(tmp_path: Path) -> None:

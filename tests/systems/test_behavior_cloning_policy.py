@@ -6,66 +6,44 @@ from typing import override
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from pydrake.math import RigidTransform, RollPitchYaw
-from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import Context
 
-from keypush.learning.model import ActionModel
 from keypush.planning.plan_state import Stage
 from keypush.scenario import ControlConfig
 from keypush.systems.behavior_cloning_policy import BehaviorCloningPolicy
-from tests.systems.contract import assert_pure, assert_resets, outputs, ports
+from tests.systems.contract import outputs, ports
+from tests.systems.scene import (
+    PERIOD,
+    POINTS,
+    SceneBench,
+    SpyModel,
+    Vector,
+    check_purity_and_reset,
+    check_what_the_model_sees,
+)
 
-PERIOD, POINTS = 0.1, 16
 CLOUD = 2.0 * np.random.default_rng(0).normal(size=(POINTS, 3))
-GOAL, COM = np.array([0.1, -0.05]), np.array([0.01, 0.02, 0.03])
-X_WE = RigidTransform(RollPitchYaw(3.0, 0.2, -1.0), np.array([0.1, 0.2, 0.3]))
 CONTROL = ControlConfig()
 CLIPS = np.repeat([CONTROL.max_translation, CONTROL.max_rotation], 3)
-Vector = NDArray[np.floating]
 
 
-class SpyModel(ActionModel):
-    """The cloud's first six numbers; remembers what it was asked."""
-
-    def __init__(self) -> None:
-        self.calls: list[tuple[Vector, Vector, Vector | None, Vector]] = []
-
-    @property
-    @override
-    def uses_com(self) -> bool:
-        return True
+class FirstNumbers(SpyModel):
+    """The cloud's first six numbers."""
 
     @override
-    def predict(
-        self, cloud_W: Vector, goal_W: Vector, com_W: Vector | None, hand: Vector
-    ) -> NDArray[np.float64]:
-        com = None if com_W is None else com_W.copy()
-        self.calls.append((cloud_W.copy(), goal_W.copy(), com, hand.copy()))
+    def answer(self, cloud_W: Vector) -> NDArray[np.float64]:
         return np.array(cloud_W[:2].ravel(), dtype=float)
 
 
-class Scene:
+class Scene(SceneBench):
     """A policy alone, its inputs fixed."""
 
     def __init__(self) -> None:
-        self.model = SpyModel()
-        self.policy = BehaviorCloningPolicy(self.model, POINTS, CONTROL, PERIOD)
-        self.simulator = Simulator(self.policy)
-        self.context: Context = self.simulator.get_mutable_context()
-        self.see(CLOUD)
-        fixed = {"goal": GOAL, "tool_pose": X_WE, "object_com": COM, "halted": [0.0]}
-        for name, value in fixed.items():
-            self.policy.GetInputPort(name).FixValue(self.context, value)
-
-    def see(self, cloud: NDArray[np.float64]) -> None:
-        self.policy.GetInputPort("point_cloud").FixValue(self.context, cloud.ravel())
+        model = FirstNumbers()
+        super().__init__(model, BehaviorCloningPolicy(model, POINTS, CONTROL, PERIOD), CLOUD)
+        self.fix("halted", [0.0])
 
     def halt(self) -> None:
-        self.policy.GetInputPort("halted").FixValue(self.context, [1.0])
-
-    def output(self, name: str) -> NDArray[np.float64]:
-        return np.array(self.policy.GetOutputPort(name).Eval(self.context))
+        self.fix("halted", [1.0])
 
 
 def _action(cloud: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -74,30 +52,18 @@ def _action(cloud: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def test_ports() -> None:
     inputs = {"point_cloud": 3 * POINTS, "goal": 2, "tool_pose": None, "object_com": 3, "halted": 1}
-    assert ports(Scene().policy) == {
+    assert ports(Scene().system) == {
         "in": inputs,
         "out": {"tool_action": 6, "stage": 1, "contact_target": 3, "rejected": 1},
     }
 
 
 def test_outputs_are_pure_and_the_context_resets() -> None:
-    scene = Scene()
-    scene.simulator.AdvanceTo(0.25)
-    asked = len(scene.model.calls)
-    assert_pure(scene.policy, scene.context)
-    assert len(scene.model.calls) == asked
-    assert_resets(scene.policy, scene.context)
+    check_purity_and_reset(Scene())
 
 
 def test_the_model_sees_cloud_goal_com_and_hand() -> None:
-    scene = Scene()
-    scene.simulator.Initialize()
-    cloud, goal, com, hand = scene.model.calls[0]
-    R_WE = X_WE.rotation().matrix()
-    np.testing.assert_array_equal(cloud, CLOUD)
-    np.testing.assert_array_equal(goal, GOAL)
-    np.testing.assert_array_equal(com, COM)
-    np.testing.assert_array_equal(hand, [*X_WE.translation(), *R_WE[:, 0], *R_WE[:, 1]])
+    check_what_the_model_sees(Scene(), CLOUD)
 
 
 def test_before_the_first_step_the_tool_stays() -> None:
@@ -160,7 +126,7 @@ def test_the_same_episode_gives_the_same_bits() -> None:
     scenes = Scene(), Scene()
     for scene in scenes:
         scene.simulator.AdvanceTo(0.55)
-    first, again = (outputs(scene.policy, scene.context) for scene in scenes)
+    first, again = (outputs(scene.system, scene.context) for scene in scenes)
     assert first == again
     scenes[0].context.SetTime(0.0)
     scenes[0].simulator.Initialize()

@@ -6,87 +6,52 @@ from typing import override
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from pydrake.math import RigidTransform, RollPitchYaw
-from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import Context
 
-from keypush.learning.model import KeypointModel
 from keypush.systems.keypoint_predictor import KeypointPredictor
-from tests.systems.contract import assert_pure, assert_resets, ports
+from tests.systems.contract import ports
+from tests.systems.scene import (
+    COM,
+    PERIOD,
+    POINTS,
+    SceneBench,
+    SpyModel,
+    Vector,
+    check_purity_and_reset,
+    check_what_the_model_sees,
+)
 
-PERIOD, POINTS = 0.1, 16
 CLOUD = np.random.default_rng(0).normal(size=(POINTS, 3))
-GOAL, COM = np.array([0.1, -0.05]), np.array([0.01, 0.02, 0.03])
-X_WE = RigidTransform(RollPitchYaw(3.0, 0.2, -1.0), np.array([0.1, 0.2, 0.3]))
-Vector = NDArray[np.floating]
 
 
-class SpyModel(KeypointModel):
-    """The cloud's centroid; remembers what it was asked, and how often."""
-
-    def __init__(self) -> None:
-        self.calls: list[tuple[Vector, Vector, Vector | None, Vector]] = []
-
-    @property
-    @override
-    def uses_com(self) -> bool:
-        return True
+class Centroid(SpyModel):
+    """The cloud's centroid."""
 
     @override
-    def predict(
-        self, cloud_W: Vector, goal_W: Vector, com_W: Vector | None, hand: Vector
-    ) -> NDArray[np.float64]:
-        com = None if com_W is None else com_W.copy()
-        self.calls.append((cloud_W.copy(), goal_W.copy(), com, hand.copy()))
+    def answer(self, cloud_W: Vector) -> NDArray[np.float64]:
         return np.asarray(cloud_W.mean(axis=0), dtype=float)
 
 
-class Scene:
+class Scene(SceneBench):
     """A predictor alone, its inputs fixed."""
 
     def __init__(self, com: NDArray[np.float64] | None = COM) -> None:
-        self.model = SpyModel()
-        self.predictor = KeypointPredictor(self.model, POINTS, PERIOD)
-        self.simulator = Simulator(self.predictor)
-        self.context: Context = self.simulator.get_mutable_context()
-        self.see(CLOUD)
-        self.predictor.GetInputPort("goal").FixValue(self.context, GOAL)
-        self.predictor.GetInputPort("tool_pose").FixValue(self.context, X_WE)
-        if com is not None:
-            self.predictor.GetInputPort("object_com").FixValue(self.context, com)
-
-    def see(self, cloud: NDArray[np.float64]) -> None:
-        self.predictor.GetInputPort("point_cloud").FixValue(self.context, cloud.ravel())
-
-    def output(self, name: str) -> NDArray[np.float64]:
-        return np.array(self.predictor.GetOutputPort(name).Eval(self.context))
+        model = Centroid()
+        super().__init__(model, KeypointPredictor(model, POINTS, PERIOD), CLOUD, com)
 
 
 def test_ports() -> None:
-    assert ports(Scene().predictor) == {
+    assert ports(Scene().system) == {
         "in": {"point_cloud": 3 * POINTS, "goal": 2, "tool_pose": None, "object_com": 3},
         "out": {"keypoint": 3, "rejected": 1},
     }
 
 
 def test_outputs_are_pure_and_the_context_resets() -> None:
-    scene = Scene()
-    scene.simulator.AdvanceTo(0.25)
-    asked = len(scene.model.calls)
-    assert_pure(scene.predictor, scene.context)
-    assert len(scene.model.calls) == asked
-    assert_resets(scene.predictor, scene.context)
+    check_purity_and_reset(Scene())
 
 
 def test_the_model_sees_cloud_goal_com_and_hand() -> None:
-    scene = Scene()
-    scene.simulator.Initialize()
-    cloud, goal, com, hand = scene.model.calls[0]
-    R_WE = X_WE.rotation().matrix()
-    np.testing.assert_array_equal(cloud, CLOUD)
-    np.testing.assert_array_equal(goal, GOAL)
-    np.testing.assert_array_equal(com, COM)
-    np.testing.assert_array_equal(hand, [*X_WE.translation(), *R_WE[:, 0], *R_WE[:, 1]])
+    check_what_the_model_sees(Scene(), CLOUD)
 
 
 def test_the_centre_of_mass_may_be_unknown() -> None:
@@ -153,6 +118,6 @@ def test_without_a_first_keypoint_the_simulation_fails() -> None:
 
 
 def test_an_input_without_a_wire_is_named() -> None:
-    predictor = KeypointPredictor(SpyModel(), POINTS, PERIOD)
+    predictor = KeypointPredictor(Centroid(), POINTS, PERIOD)
     with pytest.raises(RuntimeError, match="'tool_pose' is not connected"):
         predictor.predict(predictor.CreateDefaultContext())

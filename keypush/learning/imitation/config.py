@@ -28,8 +28,6 @@ class ImitationConfig(DataConfig):
     """AdamW's rate at the beginning."""
     halve_every: int = number(4, 1, 10_000)
     """Epochs after which the rate is halved, again and again."""
-    weight_decay: float = number(0.01, 0.0, 10.0)
-    """AdamW's weight decay."""
     use_com: bool = True
     """Whether the true centre of mass is an input."""
     heads: int = number(8, 1, WIDTH)

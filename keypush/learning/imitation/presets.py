@@ -1,10 +1,9 @@
 """The trainings that have a name."""
 
-from dataclasses import replace
 from typing import Any
 
-from keypush.errors import UserError
 from keypush.learning.imitation.config import ImitationConfig
+from keypush.presets import with_preset
 
 PRESETS: dict[str, dict[str, Any]] = {
     "affordable": {},
@@ -23,12 +22,4 @@ def preset_config(config: ImitationConfig, name: str) -> ImitationConfig:
     Raises:
         UserError: there is no such preset.
     """
-    if name not in PRESETS:
-        raise UserError(f"preset is {name!r}; allowed: {', '.join(PRESETS)}")
-    default = ImitationConfig()
-    wanted = {
-        field: value
-        for field, value in PRESETS[name].items()
-        if getattr(config, field) == getattr(default, field)
-    }
-    return replace(config, **wanted)
+    return with_preset(config, "preset", PRESETS, name)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from keypush.errors import UserError, one_line
-from keypush.learning.checkpoint import write_atomically
+from keypush.learning.checkpoint import write_whole
 from keypush.learning.clouds import surface_samplers
 from keypush.learning.imitation.config import ImitationConfig
 from keypush.learning.imitation.encoding import EncoderInput, clouds_of, encode, posed
@@ -120,7 +120,7 @@ def _encode_all(
                 stored[index.numpy()] = tokens.cpu().view(torch.int16).numpy()
                 progress.update(len(index))
             content = {"key": key, "objects_done": number + 1}
-            write_atomically(state, json.dumps(content).encode())
+            write_whole(state, json.dumps(content).encode())
 
 
 def _key(examples: Examples, encoder: PatchTransformerEncoder, config: ImitationConfig) -> str:

@@ -5,6 +5,7 @@ Subtraction is linear, so it is folded into the weights of every layer that writ
 normed; likewise a norm's gain and bias into the layer behind, and neighbouring layers into one.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -75,6 +76,24 @@ def linear(tensors: Tensors, name: str, inputs: int, outputs: int) -> Affine:
 def norm_gain(tensors: Tensors, name: str, width: int) -> tuple[Exact, Exact]:
     """Takes gain and bias of an `nn.LayerNorm`."""
     return tensors.take(f"{name}.weight", width), tensors.take(f"{name}.bias", width)
+
+
+class NormedLayer:
+    """A layer, the norm behind it and an activation."""
+
+    def __init__(
+        self, layer: Affine, norm: tuple[Exact, Exact], activation: Callable[[Array], Array]
+    ) -> None:
+        self._layer = layer.centred().ready()
+        self._gain, self._bias = (float32(part) for part in norm)
+        self._activation = activation
+
+    def __call__(self, x: Array) -> Array:
+        """Maps (n, inputs) to (n, outputs)."""
+        y = normed(self._layer(x))
+        y *= self._gain
+        y += self._bias
+        return self._activation(y)
 
 
 def float32(array: Exact) -> Array:

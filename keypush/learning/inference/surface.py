@@ -7,6 +7,7 @@ from keypush.learning.inference.ops import (
     Affine,
     Array,
     Index,
+    NormedLayer,
     float32,
     gelu_tanh,
     linear,
@@ -36,10 +37,9 @@ class SurfaceNetwork:
 
         first = take("patch.0", 3 * config.patch_size, patch_width)
         second = take("patch.3", patch_width, patch_width)
-        self._patch = [layer.centred().ready() for layer in (first, second)]
-        self._gains = [
-            tuple(float32(part) for part in norm_gain(tensors, f"patch.{i}", patch_width))
-            for i in (1, 4)
+        self._patch = [
+            NormedLayer(layer, norm_gain(tensors, f"patch.{i}", patch_width), gelu_tanh)
+            for i, layer in ((1, first), (4, second))
         ]
         self._position = take("position.0", 3, width).ready()
         patch, position = take("patch.6", patch_width, width), take("position.2", width, width)
@@ -85,11 +85,8 @@ class SurfaceNetwork:
     def _tokens(self, cloud: Array, centres: Index, members: Index, hand: Array) -> Array:
         p_centres = cloud[centres]
         x = (cloud[members] - p_centres[:, None]).reshape(len(centres), -1)
-        for layer, (gain, bias) in zip(self._patch, self._gains, strict=True):
-            x = normed(layer(x))
-            x *= gain
-            x += bias
-            x = gelu_tanh(x)
+        for layer in self._patch:
+            x = layer(x)
         x = self._write(np.concatenate([x, gelu_tanh(self._position(p_centres))], axis=1))
         if self._hand is not None:
             x = np.concatenate([self._hand(hand)[None], x])

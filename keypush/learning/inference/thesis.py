@@ -8,7 +8,7 @@ from keypush.learning.inference.ops import (
     Array,
     Exact,
     Index,
-    float32,
+    NormedLayer,
     gelu,
     linear,
     norm_gain,
@@ -34,9 +34,9 @@ class PatchEncoder:
 
         first = take("patch.0", 3 * config.patch_size, _PATCH_WIDTH)
         second = take("patch.3", _PATCH_WIDTH, _PATCH_WIDTH)
-        self._patch = [layer.centred().ready() for layer in (first, second)]
-        self._gains = [
-            tuple(float32(part) for part in gain(f"patch.{i}", _PATCH_WIDTH)) for i in (1, 4)
+        self._patch = [
+            NormedLayer(layer, gain(f"patch.{i}", _PATCH_WIDTH), gelu)
+            for i, layer in ((1, first), (4, second))
         ]
         self._position = take("position.0", 3, WIDTH).ready()
         self._write = _writer(take("patch.6", _PATCH_WIDTH, WIDTH),
@@ -65,11 +65,8 @@ class PatchEncoder:
         """
         p_centres = cloud[centres]
         x = (cloud[members] - p_centres[:, None]).reshape(len(centres), -1)
-        for layer, (gain, bias) in zip(self._patch, self._gains, strict=True):
-            x = normed(layer(x))
-            x *= gain
-            x += bias
-            x = gelu(x)
+        for layer in self._patch:
+            x = layer(x)
         tokens = np.empty((1 + len(centres), WIDTH), dtype=np.float32)
         tokens[0] = self._hand(hand)
         tokens[1:] = self._write(
@@ -116,13 +113,11 @@ class ThesisNetwork:
             config.heads,
         )
         out_proj = take("attention.out_proj", WIDTH, WIDTH)
-        hidden = [take("output.0", WIDTH + size, 128), take("output.4", 128, 64)]
-        self._gains = [
-            tuple(float32(part) for part in norm_gain(tensors, f"head.output.{i}", width))
-            for i, width in ((1, 128), (5, 64))
+        hidden = _behind(out_proj, take("output.0", WIDTH + size, 128)), take("output.4", 128, 64)
+        self._hidden = [
+            NormedLayer(layer, norm_gain(tensors, f"head.output.{i}", len(layer.bias)), relu)
+            for i, layer in zip((1, 5), hidden, strict=True)
         ]
-        hidden[0] = _behind(out_proj, hidden[0])
-        self._hidden = [layer.centred().ready() for layer in hidden]
         self._output = take("output.8", 64, outputs).ready()
 
     def __call__(
@@ -133,11 +128,8 @@ class ThesisNetwork:
         first, second = self._query
         answer = self._attention(relu(second(relu(first(query)))), tokens)
         x = np.concatenate([answer, query])[None]
-        for layer, (gain, bias) in zip(self._hidden, self._gains, strict=True):
-            x = normed(layer(x))
-            x *= gain
-            x += bias
-            x = relu(x)
+        for layer in self._hidden:
+            x = layer(x)
         return self._output(x[0])
 
 

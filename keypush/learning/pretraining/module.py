@@ -6,16 +6,15 @@ from typing import ClassVar, override
 import torch
 from torch.nn import functional
 
-from keypush.learning.lightning_run import EpochModule
+from keypush.learning.cosine_module import CosineModule
 from keypush.learning.pretraining.config import PretrainConfig
 from keypush.learning.pretraining.contact_objects import ContactObjects
 from keypush.learning.pretraining.contact_scenes import ContactBatch, ContactBatches
 from keypush.learning.pretraining.scores import score_network
-from keypush.learning.surface_module import rate
 from keypush.networks.contact_network import ContactNetwork
 
 
-class ContactModule(EpochModule):
+class ContactModule(CosineModule):
     """New scenes in every epoch; the loss is the binary cross-entropy of patches in contact."""
 
     MONITOR: ClassVar[str] = "bce"
@@ -62,18 +61,3 @@ class ContactModule(EpochModule):
         scores = score_network(self.contact, batches)
         del scores["reliability"]
         return {**scores, "samples_per_second": self.config.samples_per_epoch / seconds}
-
-    @override
-    def learning_rate(self, epochs: float) -> float:
-        """Warm-up, then cosine."""
-        return self.config.learning_rate * rate(epochs / self.config.epochs)
-
-    @override
-    def configure_optimizers(self) -> torch.optim.Optimizer:
-        """AdamW."""
-        return torch.optim.AdamW(
-            self.network.parameters(),
-            lr=self.config.learning_rate,
-            weight_decay=self.config.weight_decay,
-            foreach=True,  # Lightning clips no gradients for a fused one
-        )

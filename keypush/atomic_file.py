@@ -1,0 +1,26 @@
+"""Files that are written whole or not at all."""
+
+import os
+from pathlib import Path
+
+TEMPORARY_SUFFIX = ".partial"
+
+
+def write_atomically(content: bytes, path: Path) -> None:
+    """Writes a file beside `path` and renames it.
+
+    Under its name a file is whole, also after a loss of power.
+
+    Raises:
+        OSError: the file cannot be written; nothing is left of it.
+    """
+    partial = path.with_name(f".{path.name}.{os.getpid()}{TEMPORARY_SUFFIX}")
+    try:
+        with partial.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        partial.replace(path)
+    except OSError:
+        partial.unlink(missing_ok=True)
+        raise
