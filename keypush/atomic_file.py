@@ -3,6 +3,8 @@
 import os
 from pathlib import Path
 
+from keypush.errors import UserError, one_line
+
 TEMPORARY_SUFFIX = ".partial"
 
 
@@ -24,3 +26,17 @@ def write_atomically(content: bytes, path: Path) -> None:
     except OSError:
         partial.unlink(missing_ok=True)
         raise
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Writes a file of results as `write_atomically` does, and its folder where it is missing.
+
+    Raises:
+        UserError: the file cannot be written; names it.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(content, path)
+    except OSError as error:
+        reason = error.strerror or one_line(error)
+        raise UserError(f"{path}: cannot be written: {reason}") from error

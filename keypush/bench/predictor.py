@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
 from keypush.errors import UserError
 from keypush.learning.card import weights_path
+from keypush.learning.clips import Clips
 from keypush.learning.eager import both_models, random_network, read_network
 from keypush.learning.kinds import KINDS
 from keypush.learning.model import PolicyModel, Vector
@@ -66,31 +66,30 @@ def measure_predictors(
         UserError: shipped weights cannot be read, or the cloud is too small for a network.
     """
     shown = list(_scenes(scenario, objects, scenes))
-    clips = np.repeat([scenario.control.max_translation, scenario.control.max_rotation], 3)
-    return [_measure(case, shown, clips) for case in _cases()]
+    return [_measure(case, shown) for case in _cases(Clips.of(scenario.control))]
 
 
-def _cases() -> Iterator[Case]:
+def _cases(clips: Clips) -> Iterator[Case]:
     for policy, needs in POLICIES.items():
         if needs.weights_kind is not None:
-            yield _policy_case(policy, needs.weights_kind, uses_com=needs.uses_com)
+            yield _policy_case(policy, needs.weights_kind, clips, uses_com=needs.uses_com)
     for patch_size, layers in _OTHER_SIZES:
         encoder = EncoderConfig(patch_size=patch_size, layers=layers)
         sizes = KeypointConfig(encoder=encoder, heads=16)
-        yield _case(None, "keypoint", random_network("keypoint", sizes), "random")
+        yield _case(None, "keypoint", random_network("keypoint", sizes), "random", clips)
 
 
-def _policy_case(policy: str, kind: str, *, uses_com: bool) -> Case:
+def _policy_case(policy: str, kind: str, clips: Clips, *, uses_com: bool) -> Case:
     try:
         path = weights_path(policy)
     except UserError:  # not trained yet
         config = KINDS[kind]
         assert config is KeypointConfig or config is SurfaceConfig
-        return _case(policy, kind, random_network(kind, config(use_com=uses_com)), "random")
-    return _case(policy, kind, read_network(kind, path), "shipped")
+        return _case(policy, kind, random_network(kind, config(use_com=uses_com)), "random", clips)
+    return _case(policy, kind, read_network(kind, path), "shipped", clips)
 
 
-def _case(policy: str | None, kind: str, network: Any, weights: str) -> Case:
+def _case(policy: str | None, kind: str, network: Any, weights: str, clips: Clips) -> Case:
     config = network.config
     encoder = config if isinstance(config, SurfaceConfig) else config.encoder
     told = {
@@ -101,7 +100,7 @@ def _case(policy: str | None, kind: str, network: Any, weights: str) -> Case:
         "layers": encoder.layers,
         "use_com": config.use_com,
     }
-    return Case(told, kind, *both_models(kind, network))
+    return Case(told, kind, *both_models(kind, network, clips))
 
 
 def _scenes(scenario: Scenario, objects: Sequence[str], count: int) -> Iterator[Scene]:
@@ -127,7 +126,7 @@ def _scenes(scenario: Scenario, objects: Sequence[str], count: int) -> Iterator[
             )
 
 
-def _measure(case: Case, scenes: Sequence[Scene], clips: NDArray[np.float64]) -> dict[str, Any]:
+def _measure(case: Case, scenes: Sequence[Scene]) -> dict[str, Any]:
     for scene in scenes[:_TURN]:
         case.fast.predict(*scene)
         case.eager.predict(*scene)
@@ -147,7 +146,6 @@ def _measure(case: Case, scenes: Sequence[Scene], clips: NDArray[np.float64]) ->
     for name, (mine, torchs) in _RATIOS.items():
         figures[name] = figures[torchs] / figures[mine]
     if case.kind == "behavior_cloning":
-        worst = worst * clips
         figures["max_abs_error_rad"] = float(worst[3:].max())
     figures["max_abs_error_m"] = float(worst[:3].max())
     return figures

@@ -10,11 +10,10 @@ import torch
 from safetensors.torch import save
 from torch import nn
 
-from keypush.atomic_file import write_atomically
-from keypush.errors import UserError, one_line
+from keypush.atomic_file import write_whole
 from keypush.learning.card import weights_path
 from keypush.learning.kinds import read_sizes
-from keypush.learning.tensors import Tensors
+from keypush.learning.tensors import ENCODER, Tensors
 from keypush.networks.contact_network import ContactNetwork
 from keypush.networks.keypoint_network import BehaviorCloningNetwork, KeypointNetwork
 from keypush.networks.surface_keypoint_network import SurfaceKeypointNetwork
@@ -34,12 +33,15 @@ def save_network(network: nn.Module, path: Path, record: Mapping[str, Any]) -> N
     Args:
         network: one of `NETWORKS`.
         path: of the `.safetensors` file.
-        record: what else to tell about the weights (training, metrics, ...), as JSON.
+        record: what else to tell about the weights (training, metrics, ...), as JSON; where it
+            names an `encoder` (`tensors.encoder_record`) that one is not written once more.
     """
     kind = next(name for name, known in NETWORKS.items() if type(network) is known)
     config: Any = network.config
     description = {"kind": kind, "network": dataclasses.asdict(config), **record}
-    write_whole(path, save({k: v.contiguous() for k, v in network.state_dict().items()}))
+    elsewhere = ENCODER if "encoder" in record else ()
+    state = network.state_dict().items()
+    write_whole(path, save({k: v.contiguous() for k, v in state if not k.startswith(elsewhere)}))
     write_whole(path.with_suffix(".json"), (json.dumps(description, indent=2) + "\n").encode())
 
 
@@ -64,19 +66,6 @@ def load_network[Network: nn.Module](name_or_path: str | Path, wanted: type[Netw
     tensors.finish()
     network.load_state_dict({name: torch.from_numpy(array) for name, array in found.items()})
     return network.eval()
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Writes a file whole or not at all, and its folder where it is missing.
-
-    Raises:
-        UserError: the folder cannot be written.
-    """
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(content, path)
-    except OSError as error:
-        raise UserError(f"{path}: cannot be written: {one_line(error)}") from error
 
 
 def parameter_count(network: torch.nn.Module) -> int:

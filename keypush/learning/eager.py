@@ -7,6 +7,7 @@ import torch
 from torch import nn
 
 from keypush.learning.checkpoint import NETWORKS, load_network
+from keypush.learning.clips import Clips
 from keypush.learning.inference.ops import Array, Index
 from keypush.learning.model import PolicyModel
 from keypush.learning.predict import fast_network, make_model
@@ -55,11 +56,13 @@ def read_network(kind: str, weights: str | Path) -> nn.Module:
     return load_network(weights, NETWORKS[kind])
 
 
-def both_models(kind: str, network: Any) -> tuple[PolicyModel, PolicyModel]:
-    """Returns the model as episodes run it, and the same with the network in PyTorch."""
+def both_models(
+    kind: str, network: Any, clips: Clips | None = None
+) -> tuple[PolicyModel, PolicyModel]:
+    """Returns the model as episodes run it, and the same in PyTorch; see `predict.make_model`."""
     arrays = {name: value.numpy() for name, value in network.state_dict().items()}
     fast = fast_network(kind, Tensors(kind, arrays), network.config)
     return (
-        make_model(kind, fast, network.config),
-        make_model(kind, EagerNetwork(network), network.config),
+        make_model(kind, fast, network.config, clips),
+        make_model(kind, EagerNetwork(network), network.config, clips),
     )

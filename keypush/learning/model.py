@@ -37,9 +37,10 @@ class ActionModel(Protocol):
         """Whether `predict` needs `com_W`."""
 
     def predict(self, cloud_W: Seen, goal_W: Seen, com_W: Seen | None, hand: Seen) -> Vector:
-        """Returns the tool action in shares of its clips, shape (6,), which may be beyond them.
+        """Returns the tool action, shape (6,): translation in m, then axis-angle in rad, in W.
 
-        Translation, then axis-angle; arguments and the rest as for `KeypointModel.predict`.
+        It may be beyond the clips of the scenario; arguments and the rest as for
+        `KeypointModel.predict`.
         """
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from keypush.errors import UserError
 from keypush.learning.card import weights_path
+from keypush.learning.clips import Clips
 from keypush.learning.inference.goal_frame import GoalFrame
 from keypush.learning.inference.ops import Array, Index
 from keypush.learning.inference.patches import group_patches
@@ -117,29 +118,36 @@ class ThesisKeypoint(_ThesisModel, KeypointModel):
 class ThesisAction(_ThesisModel, ActionModel):
     """A `BehaviorCloningNetwork`."""
 
+    def __init__(self, network: Forward, config: KeypointConfig, clips: Clips) -> None:
+        """Args: the network; its configuration; what its outputs are shares of."""
+        super().__init__(network, config)
+        self._clips = clips.of_action
+
     @override
     def predict(self, cloud_W: Seen, goal_W: Seen, com_W: Seen | None, hand: Seen) -> Vector:
         """Returns the network's action; see `ActionModel.predict`."""
-        return self.run(cloud_W, goal_W, com_W, hand).astype(np.float64)
+        return self.run(cloud_W, goal_W, com_W, hand).astype(np.float64) * self._clips
 
 
 _OUTPUTS = {"keypoint": 3, "behavior_cloning": 6}
 """Of the thesis' networks, by kind; see `kinds.KINDS`."""
 
 
-def make_model(kind: str, network: Forward, sizes: Any) -> PolicyModel:
+def make_model(kind: str, network: Forward, sizes: Any, clips: Clips | None = None) -> PolicyModel:
     """Makes the model of a network.
 
     Args:
         kind: one of `kinds.KINDS`, but not "contact".
         network: the network.
         sizes: its configuration.
+        clips: of the action, which "behavior_cloning" needs.
     """
     if kind == "surface_keypoint":
         return SurfaceKeypoint(network, sizes)
     if kind == "keypoint":
         return ThesisKeypoint(network, sizes)
-    return ThesisAction(network, sizes)
+    assert clips is not None
+    return ThesisAction(network, sizes, clips)
 
 
 def fast_network(kind: str, tensors: Tensors, sizes: Any) -> Forward:
@@ -158,8 +166,13 @@ def fast_network(kind: str, tensors: Tensors, sizes: Any) -> Forward:
 
 
 def read_model(kind: str, weights: Path, sizes: Any) -> PolicyModel:
-    """Reads a model from the `.safetensors` file of its weights; errors as `fast_network`."""
-    return make_model(kind, fast_network(kind, Tensors.read(weights), sizes), sizes)
+    """Reads a model from the `.safetensors` file of its weights.
+
+    Raises:
+        UserError: see `Tensors.read`, `fast_network` and `Clips.read`.
+    """
+    clips = Clips.read(weights) if kind == "behavior_cloning" else None
+    return make_model(kind, fast_network(kind, Tensors.read(weights), sizes), sizes, clips)
 
 
 def load_keypoint_model(name_or_path: str | Path) -> KeypointModel:

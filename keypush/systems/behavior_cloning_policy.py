@@ -78,10 +78,10 @@ class BehaviorCloningPolicy(SceneSystem):
     @override
     def predict(self, context: Context) -> Vector:
         """Returns the action within its clips (6,), finite or not, and the stage."""
-        shares = super().predict(context)
-        # Clipped, an infinite share would look like any other.
-        within = np.where(np.isfinite(shares), np.clip(shares, -1.0, 1.0), np.nan)
-        return np.append(within * self._clips, Stage.PUSH)
+        action = super().predict(context)
+        # Clipped, an infinite action would look like any other.
+        within = np.where(np.isfinite(action), np.clip(action, -self._clips, self._clips), np.nan)
+        return np.append(within, Stage.PUSH)
 
     @override
     def _first(self, answer: Vector) -> Vector:

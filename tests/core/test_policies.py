@@ -21,7 +21,11 @@ def _save(policy: str, path: Path, *, flip_com: bool = False) -> Path:
     kind = needs.weights_kind
     assert kind is not None
     config: Any = KINDS[kind]
-    save_network(random_network(kind, config(use_com=needs.uses_com != flip_com)), path, {})
+    save_network(
+        random_network(kind, config(use_com=needs.uses_com != flip_com)),
+        path,
+        {"action_clips": {"translation": 0.06, "rotation": 0.1}},
+    )
     return path
 
 

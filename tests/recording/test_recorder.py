@@ -95,7 +95,8 @@ def test_clouds_on_the_page_are_those_that_the_policy_saw() -> None:
 
 def test_a_policy_without_a_keypoint_has_none_in_its_legend(tmp_path: Path) -> None:
     weights = tmp_path / "mine.safetensors"
-    save_network(random_network("behavior_cloning", KeypointConfig()), weights, {})
+    clips = {"action_clips": {"translation": 0.06, "rotation": 0.1}}
+    save_network(random_network("behavior_cloning", KeypointConfig()), weights, clips)
     acting = parse_scenario(
         "{policy: behavior_cloning, episode: {max_steps: 1}, "
         f"predictor: {{weights: '{weights}'}}}}"

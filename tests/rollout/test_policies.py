@@ -25,7 +25,9 @@ def _scenario(policy: str, folder: Path, planner: str = "{}") -> Scenario:
         config: Any = KINDS[needs.weights_kind]
         network = random_network(needs.weights_kind, config(use_com=needs.uses_com))
         weights = str(folder / f"{policy}.safetensors")
-        save_network(network, Path(weights), {})
+        save_network(
+            network, Path(weights), {"action_clips": {"translation": 0.06, "rotation": 0.1}}
+        )
     return parse_scenario(
         f"{{policy: {policy}, object: {{name: block}}, episode: {{max_steps: {STEPS}}}, "
         f"predictor: {{weights: '{weights}'}}, planner: {planner}}}"

@@ -47,7 +47,7 @@ class Scene(SceneBench):
 
 
 def _action(cloud: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(np.clip(cloud[:2].ravel(), -1, 1) * CLIPS)
+    return np.asarray(np.clip(cloud[:2].ravel(), -CLIPS, CLIPS))
 
 
 def test_ports() -> None:

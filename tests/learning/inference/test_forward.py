@@ -9,6 +9,7 @@ import pytest
 import torch
 from scipy.special import erf
 
+from keypush.learning.clips import Clips
 from keypush.learning.eager import both_models, random_network
 from keypush.learning.inference.ops import gelu, gelu_tanh
 from keypush.networks.config import EncoderConfig, KeypointConfig, SurfaceConfig
@@ -26,6 +27,7 @@ THESIS = [
     for use_com in (True, False)
 ]
 SURFACE = [SMALL, SurfaceConfig(), SurfaceConfig(use_com=True), SurfaceConfig(use_hand=False)]
+SHARES = Clips(1.0, 1.0)
 CASES = [
     *[("keypoint", config) for config in THESIS],
     *[("behavior_cloning", config) for config in THESIS[:2]],
@@ -35,7 +37,7 @@ CASES = [
 
 @pytest.mark.parametrize(("kind", "config"), CASES)
 def test_answers_are_those_of_torch(kind: str, config: Any) -> None:
-    fast, eager = both_models(kind, random_network(kind, config, seed=3))
+    fast, eager = both_models(kind, random_network(kind, config, seed=3), SHARES)
     answers = []
     for seed in range(5):
         rng = np.random.default_rng(seed)
@@ -54,7 +56,7 @@ def test_answers_are_those_of_torch(kind: str, config: Any) -> None:
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_non_finite_input_gives_a_non_finite_answer(kind: str, bad: float) -> None:
     config = SMALL if kind == "surface_keypoint" else KeypointConfig()
-    fast, _ = both_models(kind, random_network(kind, config))
+    fast, _ = both_models(kind, random_network(kind, config), SHARES)
     rng = np.random.default_rng(6)
     cloud = make_cloud(rng)
     cloud[7, 1] = bad
