@@ -4,6 +4,7 @@ import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -37,16 +38,14 @@ def assemble_dataset(shards: Path, out: Path) -> None:
     source = Shards.open(shards)
     fps = _frames_per_second(source)
     with new_dataset(out, shards / "job.yaml", shards / "scenario.yaml") as folder:
-        writer: DatasetWriter | None = None
-        for summaries, rows in source.blocks():
-            if writer is None:
-                writer = DatasetWriter(folder, FEATURES, summaries.schema, fps)
-            for summary in summaries.cast(writer.summaries).to_pylist():
-                mine = rows.filter(pc.equal(rows["episode"], summary["episode"]))
-                columns = frames_of_episode(mine, success=summary["success"])
-                writer.add(columns, task_of(summary["object"]), summary)
-        assert writer is not None, "a job has at least one episode"
-        writer.close()
+        blocks = source.blocks()
+        first = next(blocks)  # a job has at least one
+        with DatasetWriter(folder, FEATURES, first[0].schema, fps) as writer:
+            for summaries, rows in chain([first], blocks):
+                for summary in summaries.cast(writer.summaries).to_pylist():
+                    mine = rows.filter(pc.equal(rows["episode"], summary["episode"]))
+                    columns = frames_of_episode(mine, success=summary["success"])
+                    writer.add(columns, task_of(summary["object"]), summary)
 
 
 def task_of(name: str) -> str:

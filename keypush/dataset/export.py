@@ -33,11 +33,12 @@ def export_clouds(dataset: DataSet, out: Path) -> None:
     noise = load_scenario(dataset.scenario).noise
     features = (*dataset.features, cloud_feature(noise.cloud_points))
     own = pa.schema([f for f in dataset.episodes.schema if f.name not in EPISODE_COLUMNS.names])
-    with new_dataset(out, dataset.job, dataset.scenario) as folder:
-        writer = DatasetWriter(folder, features, own, dataset.fps)
+    with (
+        new_dataset(out, dataset.job, dataset.scenario) as folder,
+        DatasetWriter(folder, features, own, dataset.fps) as writer,
+    ):
         for told, frames in dataset.each_episode():
             columns = {name: to_array(frames[name]) for name in frames.column_names}
             columns[CLOUD] = episode_clouds(noise, told, columns["observation.object_pose"])
             (task,) = told["tasks"]
             writer.add(columns, task, {name: told[name] for name in own.names})
-        writer.close()

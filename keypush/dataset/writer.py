@@ -2,8 +2,10 @@
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from types import TracebackType
+from typing import Any, Self
 
 import numpy as np
 import pyarrow as pa
@@ -34,7 +36,10 @@ _GROUP_BYTES = 16_000_000
 
 
 class DatasetWriter:
-    """Takes one episode at a time; holds no more than a row group of frames in memory."""
+    """Takes one episode at a time; holds no more than a row group of frames in memory.
+
+    As a context manager it finishes the data set at the end, or lets go of it after an error.
+    """
 
     def __init__(
         self, folder: Path, features: tuple[Feature, ...], summaries: pa.Schema, fps: int
@@ -58,6 +63,21 @@ class DatasetWriter:
         self._waiting: list[pa.Table] = []
         self._waiting_bytes = 0
         self._records: list[dict[str, Any]] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if kind is None:
+            self._close()
+        else:
+            self._data.abandon()
+            self._meta.abandon()
 
     def add(self, columns: Columns, task: str, summary: Mapping[str, Any]) -> None:
         """Adds an episode.
@@ -84,7 +104,7 @@ class DatasetWriter:
         if self._waiting_bytes >= _GROUP_BYTES:
             self._flush()
 
-    def close(self) -> None:
+    def _close(self) -> None:
         """Writes what is left, and `meta/info.json` last."""
         self._flush()
         self._data.close()
@@ -170,6 +190,15 @@ class _Files:
         """Ends the file that is open."""
         if self._writer is not None:
             self._writer.close()
+            self._writer = None
+
+    def abandon(self) -> None:
+        """Lets go of the file that is open, whatever becomes of it."""
+        if self._writer is not None:
+            with suppress(OSError):
+                self._writer.close()
+            # Where it could not be closed, it would try and fail once more when it is collected.
+            self._writer.is_open = False
             self._writer = None
 
     def _make_room(self, size: int) -> tuple[int, int]:

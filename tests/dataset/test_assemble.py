@@ -2,6 +2,8 @@
 
 import json
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -216,3 +218,32 @@ def test_shards_that_are_not_finished_are_refused(
         assemble_dataset(shards, tmp_path / "out")
     assert "\n" not in str(caught.value)
     assert not (tmp_path / "out").exists() or list((tmp_path / "out").iterdir()) == []
+
+
+_ON_A_FULL_DISK = """
+import resource, sys
+from pathlib import Path
+from keypush.dataset import writer
+from keypush.dataset.assemble import assemble_dataset
+writer._GROUP_BYTES = 1  # so that a file has several row groups
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[3]),) * 2)
+try:
+    assemble_dataset(Path(sys.argv[1]), Path(sys.argv[2]))
+except OSError as error:
+    print(error.strerror)
+"""
+
+
+@pytest.mark.parametrize("room", [3000, 30_000])
+def test_a_full_disk_leaves_one_error_and_no_data_set(
+    room: int, real_shards: Path, tmp_path: Path
+) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", _ON_A_FULL_DISK, real_shards, tmp_path, str(room)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.endswith("File too large\n")
+    assert done.stderr == ""
+    assert not list(tmp_path.iterdir())
