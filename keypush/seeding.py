@@ -4,6 +4,18 @@ import zlib
 
 import numpy as np
 
+EVALUATION_SEEDS = 1_000_000
+"""Scenario seeds from here on are for evaluation; data sets have those below."""
+
+
+def evaluation_seed(seed: int) -> int:
+    """Returns the scenario seed of an evaluation, which no data set has.
+
+    Args:
+        seed: number n below `EVALUATION_SEEDS`, for the n-th seed of evaluation, or that itself.
+    """
+    return seed if seed >= EVALUATION_SEEDS else EVALUATION_SEEDS + seed
+
 
 def make_generator(seed: int, episode: int, purpose: str, step: int = 0) -> np.random.Generator:
     """Makes the generator of one purpose in one episode.

@@ -8,6 +8,7 @@ import tyro
 from keypush.cli.options import OBJECTS, ScenarioOptions, resolve_scenario
 from keypush.cli.output import prepare_output_dir
 from keypush.cli.parallel_options import ParallelOptions, make_job
+from keypush.errors import UserError
 
 
 @dataclass(kw_only=True)
@@ -31,6 +32,7 @@ class Collect(ScenarioOptions, ParallelOptions):
         from keypush.rollout.collection import collect_dataset
 
         scenario = expert_scenario(resolve_scenario(self, policy="expert"), self.expert)
+        _check_seed(scenario.seed)
         job = make_job(
             scenario, self, option="episodes-per-object", episodes=self.episodes_per_object
         )
@@ -44,4 +46,14 @@ class Collect(ScenarioOptions, ParallelOptions):
         print(
             f"{len(summaries)} episodes, {steps} steps in {out}; "
             f"the expert succeeded in {successes / len(summaries):.1%}"
+        )
+
+
+def _check_seed(seed: int) -> None:
+    from keypush.seeding import EVALUATION_SEEDS
+
+    if seed >= EVALUATION_SEEDS:
+        raise UserError(
+            f"seed is {seed}; allowed for data: 0 to {EVALUATION_SEEDS - 1}, "
+            "since those from there on are for evaluation"
         )

@@ -2,23 +2,22 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Protocol, Self
+from typing import NoReturn, Protocol, Self
 
 from keypush.errors import UserError
 from keypush.rollout.job import Block
-from keypush.rollout.shard import Shard
 from keypush.rollout.worker import EpisodeDone, Failed
 
 
 @dataclass(frozen=True)
 class Lost:
-    """Event: the process that ran a block died; the engine runs the block again."""
+    """Event: the process that ran a block died; the engine runs again what it has not told of."""
 
     how: str
     """Completes "the process that ran it ..."."""
 
 
-Event = EpisodeDone | Shard | Lost
+Event = EpisodeDone | Lost
 
 
 class Engine(Protocol):
@@ -34,8 +33,8 @@ class Engine(Protocol):
     def run(self, pending: list[Block]) -> Iterator[tuple[Block, Event]]:
         """Runs blocks, which it takes out of the list, and yields what happens as it comes.
 
-        A block ends with its `Shard`; before it there may be any number of `EpisodeDone`.
-        After `Lost` it starts again.
+        `EpisodeDone` comes once for every episode, with that episode as its block; `Lost` comes
+        with what is left of the block.
 
         Raises:
             UserError: a worker met a mistake of the user's.
@@ -44,7 +43,7 @@ class Engine(Protocol):
         ...
 
 
-def raise_failure(failed: Failed, block: Block) -> None:
+def raise_failure(failed: Failed, block: Block) -> NoReturn:
     """Raises what a worker met.
 
     Raises:

@@ -1,5 +1,6 @@
 """Makes the engine that a name stands for."""
 
+from collections.abc import Sequence
 from typing import Literal
 
 from keypush.errors import UserError
@@ -12,21 +13,21 @@ EngineName = Literal["local", "ray"]
 
 
 def make_engine(
-    name: EngineName, workers: int | None, scenario: Scenario, make_runner: MakeRunner
+    name: EngineName, workers: int | None, scenarios: Sequence[Scenario], make_runner: MakeRunner
 ) -> Engine:
     """Makes an engine.
 
     Args:
         name: which one.
         workers: at most this many blocks run at once; None: as many as there are cores.
-        scenario: what every episode shares.
+        scenarios: what every episode of a job shares, for each job.
         make_runner: importable by name, since workers are new processes.
 
     Raises:
         UserError: Ray is asked for and not installed.
     """
     if name == "local":
-        return LocalEngine(workers, scenario, make_runner)
+        return LocalEngine(workers, scenarios, make_runner)
     try:
         from keypush.rollout.ray_engine import RayEngine  # noqa: PLC0415  # Ray is optional.
     except ModuleNotFoundError as error:
@@ -36,4 +37,4 @@ def make_engine(
             "--engine ray: the package ray is not installed; allowed: --engine local, or "
             "`pip install keypush[ray]` first"
         ) from error
-    return RayEngine(workers, scenario, make_runner)
+    return RayEngine(workers, scenarios, make_runner)

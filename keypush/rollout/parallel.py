@@ -1,6 +1,8 @@
-"""Runs a job on many workers; finished blocks stay, so a stopped job resumes."""
+"""Runs jobs on many workers; finished episodes stay, so a stopped job resumes."""
 
 from collections import Counter
+from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
 from keypush.errors import UserError
@@ -10,12 +12,11 @@ from keypush.rollout.folder_lock import hold_folder
 from keypush.rollout.job import Block, Job
 from keypush.rollout.make_engine import EngineName, make_engine
 from keypush.rollout.progress import Progress, say
-from keypush.rollout.shard import Shard
 from keypush.rollout.store import EpisodeStore
 from keypush.rollout.worker import MakeRunner
 
 _MOST_LOSSES = 2
-"""Twice is no accident: the block itself ends its process."""
+"""Twice is no accident: the episode itself ends its process."""
 
 
 def run_job(
@@ -26,10 +27,10 @@ def run_job(
     engine: EngineName = "local",
     make_runner: MakeRunner = EpisodeRunner,
 ) -> EpisodeStore:
-    """Runs the blocks of a job that its folder lacks.
+    """Runs the episodes of a job that its folder lacks.
 
     The files are the same, byte for byte, for any number of workers, either engine and any
-    number of interruptions. A worker that the system kills is replaced and its block run again.
+    number of interruptions. A worker that the system kills is replaced and its episode run again.
     A progress bar shows on a terminal.
 
     Args:
@@ -41,24 +42,48 @@ def run_job(
 
     Raises:
         UserError: the folder holds another job or a damaged file or cannot be written, the
-            scenario asks for what is not there, or a block ended its process twice.
+            scenario asks for what is not there, or an episode ended its process twice.
         RuntimeError: an episode raised.
     """
-    store = EpisodeStore(folder)
-    with hold_folder(folder):
-        finished = store.open(job)
-        pending = [block for block in job.blocks() if block not in finished]
-        if pending:
-            with make_engine(engine, workers, job.scenario, make_runner) as running:
-                progress = Progress(job, finished)
-                progress.announce(store, running.workers)
-                with progress:
-                    _run_blocks(running, pending, store, progress)
+    (store,) = run_jobs([(job, folder)], workers=workers, engine=engine, make_runner=make_runner)
     return store
 
 
+def run_jobs(
+    jobs: Sequence[tuple[Job, Path]],
+    *,
+    workers: int | None = None,
+    engine: EngineName = "local",
+    make_runner: MakeRunner = EpisodeRunner,
+) -> list[EpisodeStore]:
+    """Runs jobs as `run_job` does, each in its folder, all on the same workers.
+
+    No worker waits for a job's last blocks while another job has some. One bar shows all.
+
+    Returns:
+        The store of each job.
+    """
+    stores = [EpisodeStore(folder) for _, folder in jobs]
+    with ExitStack() as held:
+        for _, folder in jobs:
+            held.enter_context(hold_folder(folder))
+        found = [
+            store.open(job, index)
+            for index, ((job, _), store) in enumerate(zip(jobs, stores, strict=True))
+        ]
+        pending = [block for tally in found for block in tally.missing]
+        if pending:
+            scenarios = [job.scenario for job, _ in jobs]
+            running = held.enter_context(make_engine(engine, workers, scenarios, make_runner))
+            progress = Progress(sum(job.total for job, _ in jobs), found)
+            progress.announce(jobs[0][1], running.workers)
+            with progress:
+                _run_blocks(running, pending, stores, progress)
+    return stores
+
+
 def _run_blocks(
-    engine: Engine, pending: list[Block], store: EpisodeStore, progress: Progress
+    engine: Engine, pending: list[Block], stores: Sequence[EpisodeStore], progress: Progress
 ) -> None:
     losses: Counter[Block] = Counter()
     for block, event in engine.run(pending):
@@ -67,12 +92,10 @@ def _run_blocks(
             if losses[block] == _MOST_LOSSES:
                 raise UserError(
                     f"{block}: the process that ran it {event.how}, for the second time; "
-                    f"{store.kept()}; allowed: fewer workers, more memory, the same command again"
+                    f"{stores[block.job].kept()}; "
+                    "allowed: fewer workers, more memory, the same command again"
                 )
-            progress.block_lost(block)
             say(f"{block}: the process that ran it {event.how}; another one runs it again")
-        elif isinstance(event, Shard):
-            store.write(block, event)
-            progress.block_done(block, event)
         else:
-            progress.episode_done(block, event.success)
+            stores[block.job].write(block, event.shard)
+            progress.episode_done(event.shard)

@@ -3,7 +3,7 @@
 import multiprocessing
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
@@ -12,7 +12,7 @@ from typing import Self
 
 from keypush.rollout.engine import Event, Lost, raise_failure
 from keypush.rollout.job import Block, take_block
-from keypush.rollout.worker import EpisodeDone, Failed, MakeRunner, Message, work
+from keypush.rollout.worker import Failed, MakeRunner, Message, work
 from keypush.scenario import Scenario
 from keypush.worker_environment import worker_environment
 
@@ -26,13 +26,13 @@ class _Worker:
     process: SpawnProcess
     connection: Connection
     block: Block | None = None
-    """The block under way."""
-    object: str = ""
-    """The object whose diagram it holds."""
+    """What is left of the block under way."""
+    last: Block | None = None
+    """The block whose diagram it holds."""
 
     def start(self, block: Block) -> None:
         """Hands it a block; if it is dead, that shows when its message is awaited."""
-        self.block, self.object = block, block.object
+        self.block = self.last = block
         with suppress(BrokenPipeError, ConnectionResetError):
             self.connection.send(block)
 
@@ -58,10 +58,12 @@ class _Worker:
 class LocalEngine:
     """Starts worker processes on entry and ends them, at once, on exit."""
 
-    def __init__(self, workers: int | None, scenario: Scenario, make_runner: MakeRunner) -> None:
+    def __init__(
+        self, workers: int | None, scenarios: Sequence[Scenario], make_runner: MakeRunner
+    ) -> None:
         """Args: see `make_engine`."""
         self.workers = len(os.sched_getaffinity(0)) if workers is None else workers
-        self._arguments = (scenario, make_runner)
+        self._arguments = (tuple(scenarios), make_runner)
         self._workers: list[_Worker] = []
 
     def __enter__(self) -> Self:
@@ -95,13 +97,12 @@ class LocalEngine:
             self._workers.remove(worker)
             worker.end()
             self._start_worker(pending)
-        elif isinstance(message, EpisodeDone):
-            yield block, message
         else:
-            worker.block = None
-            if pending:  # Before the yield: it need not wait until its files are written.
-                worker.start(take_block(pending, worker.object))
-            yield block, message
+            worker.block = block.after(message.episode)
+            if worker.block is None and pending:
+                # Before the yield: it need not wait until its files are written.
+                worker.start(take_block(pending, worker.last))
+            yield block.one(message.episode), message
 
     def _start_worker(self, pending: list[Block]) -> None:
         context = multiprocessing.get_context("spawn")
@@ -112,7 +113,7 @@ class LocalEngine:
         theirs.close()
         worker = _Worker(process, ours)
         self._workers.append(worker)
-        worker.start(take_block(pending, ""))
+        worker.start(take_block(pending, None))
 
 
 def _how_it_ended(exit_code: int | None) -> str:

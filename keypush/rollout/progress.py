@@ -2,14 +2,14 @@
 
 import shutil
 import sys
-from collections.abc import Mapping
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Self
 
 from tqdm import tqdm
 
-from keypush.rollout.job import Block, Job
 from keypush.rollout.shard import Shard
-from keypush.rollout.store import EpisodeStore, Finished
+from keypush.rollout.store import Found
 
 SECONDS_PER_EPISODE = 0.9
 """Of one core; see docs/collect.md."""
@@ -22,15 +22,14 @@ _BAR = (
 
 
 class Progress:
-    """Counts episodes, successes and bytes; a block that starts again is counted once."""
+    """Counts episodes, successes and bytes."""
 
-    def __init__(self, job: Job, finished: Mapping[Block, Finished]) -> None:
-        """Args: the job and its blocks that are finished already."""
-        self._total = job.total
-        self._done = sum(block.count for block in finished)
-        self._successes = sum(block.successes for block in finished.values())
-        self._size = sum(block.size for block in finished.values())
-        self._under_way: dict[Block, list[bool]] = {}
+    def __init__(self, total: int, found: Sequence[Found]) -> None:
+        """Args: how many episodes there are, and what is there already."""
+        self._total = total
+        self._done = sum(folder.episodes for folder in found)
+        self._successes = sum(folder.successes for folder in found)
+        self._size = sum(folder.size for folder in found)
 
     def __enter__(self) -> Self:
         """Shows the bar, if there is a terminal."""
@@ -44,43 +43,33 @@ class Progress:
         """Leaves the bar on the screen as it is."""
         self._bar.close()
 
-    def announce(self, store: EpisodeStore, workers: int) -> None:
-        """Says what is to be expected, from constants or from the blocks that are there."""
+    def announce(self, folder: Path, workers: int) -> None:
+        """Says what is to be expected, from constants or from the episodes that are there.
+
+        Args:
+            folder: on the disk that is to hold the files.
+            workers: how many blocks run at once.
+        """
         left = self._total - self._done
         seconds = left * SECONDS_PER_EPISODE / min(workers, left)
         name = "1 worker" if workers == 1 else f"{workers} workers"
-        free = shutil.disk_usage(store.folder).free
+        free = shutil.disk_usage(folder).free
         say(
-            f"{left} of {self._total} episodes to run: about {_duration(seconds)} with {name}, "
+            f"{left} of {self._total} episodes to run: about {duration(seconds)} with {name}, "
             f"{_size(left * self._bytes_per_episode())} of {_size(free)} free"
         )
 
-    def episode_done(self, block: Block, success: bool) -> None:
-        """Counts an episode of a block under way."""
-        self._under_way.setdefault(block, []).append(success)
-        self._show(1)
-
-    def block_lost(self, block: Block) -> None:
-        """Takes the episodes of a block back, which starts again."""
-        self._show(-len(self._under_way.pop(block, [])))
-
-    def block_done(self, block: Block, shard: Shard) -> None:
-        """Counts a block, with those of its episodes that were not counted one by one."""
-        counted = self._under_way.pop(block, [])
-        self._done += block.count
+    def episode_done(self, shard: Shard) -> None:
+        """Counts an episode."""
+        self._done += 1
         self._successes += shard.successes
         self._size += shard.size
-        self._show(block.count - len(counted))
-
-    def _show(self, more: int) -> None:
-        under_way = [success for block in self._under_way.values() for success in block]
-        done = self._done + len(under_way)
-        rate = (self._successes + sum(under_way)) / max(done, 1)
         expected = _size(self._total * self._bytes_per_episode())
         self._bar.set_postfix_str(
-            f"success {rate:.1%}, {_size(self._size)} of about {expected}", refresh=False
+            f"success {self._successes / self._done:.1%}, {_size(self._size)} of about {expected}",
+            refresh=False,
         )
-        self._bar.update(more)
+        self._bar.update(1)
 
     def _bytes_per_episode(self) -> float:
         return self._size / self._done if self._done else BYTES_PER_EPISODE
@@ -91,7 +80,8 @@ def say(text: str) -> None:
     tqdm.write(f"keypush: {text}", file=sys.stderr)
 
 
-def _duration(seconds: float) -> str:
+def duration(seconds: float) -> str:
+    """Says a time in the unit that suits it."""
     if seconds < 90:
         return f"{seconds:.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

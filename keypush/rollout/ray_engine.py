@@ -4,7 +4,7 @@ import logging
 import os
 import platform
 import socket
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -15,8 +15,7 @@ from keypush import __version__
 from keypush.errors import UserError, one_line
 from keypush.rollout.engine import Event, Lost, raise_failure
 from keypush.rollout.job import Block, take_block
-from keypush.rollout.shard import Shard
-from keypush.rollout.worker import BlockWorker, Failed, MakeRunner
+from keypush.rollout.worker import BlockWorker, Failed, MakeRunner, Message
 from keypush.scenario import Scenario
 from keypush.worker_environment import ONE_THREAD
 
@@ -26,16 +25,20 @@ _CONNECT_SECONDS = 10.0
 class _RemoteWorker:
     """Lives in a process of the cluster and keeps its diagram between blocks."""
 
-    def __init__(self, version: str, scenario: Scenario, make_runner: MakeRunner) -> None:
+    def __init__(
+        self, version: str, scenarios: Sequence[Scenario], make_runner: MakeRunner
+    ) -> None:
         self._version = version
-        self._worker = BlockWorker(scenario, make_runner)
+        self._worker = BlockWorker(scenarios, make_runner)
 
-    def run(self, block: Block) -> Shard | Failed:
+    def run(self, block: Block) -> list[Message]:
         """Runs a block, unless this machine has another keypush than the driver."""
         if self._version != __version__:
             machine = f"machine {platform.node()}: keypush is {__version__} there"
-            return Failed(f"{machine}; allowed: {self._version}, as here", by_user=True)
-        return self._worker.run(block, lambda _: None)
+            return [Failed(f"{machine}; allowed: {self._version}, as here", by_user=True)]
+        messages: list[Message] = []
+        self._worker.run(block, messages.append)
+        return messages
 
 
 def _check_address(address: str) -> None:
@@ -70,11 +73,13 @@ class RayEngine:
     none, Ray starts one of this machine's cores.
     """
 
-    def __init__(self, workers: int | None, scenario: Scenario, make_runner: MakeRunner) -> None:
+    def __init__(
+        self, workers: int | None, scenarios: Sequence[Scenario], make_runner: MakeRunner
+    ) -> None:
         """Args: see `make_engine`."""
         self.workers = 0
         self._most = workers
-        self._arguments = (__version__, scenario, make_runner)
+        self._arguments = (__version__, tuple(scenarios), make_runner)
         self._running: dict[Any, _Running] = {}
         self._connected_here = False
 
@@ -106,26 +111,26 @@ class RayEngine:
             ray.shutdown()
 
     def run(self, pending: list[Block]) -> Iterator[tuple[Block, Event]]:
-        """Runs blocks, see `Engine`; there are no events of single episodes."""
+        """Runs blocks, see `Engine`; the events of a block come together, at its end."""
         for _ in range(min(self.workers, len(pending))):
-            self._hand_over(self._make_actor(), take_block(pending, ""))
+            self._hand_over(self._make_actor(), take_block(pending, None))
         while self._running:
             (ready,), _ = ray.wait(list(self._running), num_returns=1)
             done = self._running.pop(ready)
             try:
-                result: Shard | Failed = ray.get(ready)
+                messages: list[Message] = ray.get(ready)
             except RayError as error:
                 pending.append(done.block)
                 yield done.block, Lost(f"is lost: {one_line(error)}")
-                self._hand_over(self._make_actor(), take_block(pending, ""))
+                self._hand_over(self._make_actor(), take_block(pending, None))
                 continue
-            if isinstance(result, Failed):
-                raise_failure(result, done.block)
-            elif pending:
-                self._hand_over(done.actor, take_block(pending, done.block.object))
-                yield done.block, result
-            else:
-                yield done.block, result
+            whole = not isinstance(messages[-1], Failed)
+            if whole and pending:
+                self._hand_over(done.actor, take_block(pending, done.block))
+            for message in messages:
+                if isinstance(message, Failed):
+                    raise_failure(message, done.block)
+                yield done.block.one(message.episode), message
 
     def _make_actor(self) -> Any:
         remote = ray.remote(num_cpus=1, runtime_env={"env_vars": ONE_THREAD})(_RemoteWorker)

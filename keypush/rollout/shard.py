@@ -1,6 +1,5 @@
-"""The two Parquet files of a block: made from its episodes, and checked when a job resumes."""
+"""Two Parquet files: made of an episode, joined to those of a block, checked when a job resumes."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,7 @@ _ROW_KEYS = ["object", "seed", "episode", "step"]
 
 @dataclass(frozen=True)
 class Shard:
-    """A finished block as the contents of its files."""
+    """Finished episodes as the contents of their files."""
 
     rows: bytes
     """Parquet: one row per policy step."""
@@ -34,12 +33,12 @@ class Shard:
         return len(self.rows) + len(self.episodes)
 
 
-def make_shard(results: Sequence[EpisodeResult]) -> Shard:
-    """Makes the files of a block from its episodes, in their order."""
+def make_shard(result: EpisodeResult) -> Shard:
+    """Makes the files of an episode."""
     return Shard(
-        rows=parquet_bytes(table_from_rows([r.rows for r in results])),
-        episodes=parquet_bytes(table_from_summaries([r.summary for r in results])),
-        successes=sum(bool(r.summary["success"]) for r in results),
+        rows=parquet_bytes(table_from_rows([result.rows])),
+        episodes=parquet_bytes(table_from_summaries([result.summary])),
+        successes=int(bool(result.summary["success"])),
     )
 
 

@@ -1,6 +1,8 @@
-"""The folder of a job: its description, and one pair of Parquet files per finished block."""
+"""The folder of a job: its description, and a pair of Parquet files per block or per episode."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -10,38 +12,50 @@ import yaml
 
 from keypush.atomic_file import TEMPORARY_SUFFIX, write_atomically
 from keypush.errors import UserError, one_line
-from keypush.rollout.job import Block, Job
+from keypush.rollout.job import Block, Job, runs
 from keypush.rollout.shard import Shard, check_shard, shard_columns
+from keypush.rollout.unfinished import Pair, join
 from keypush.scenario import dump_scenario
 
+_KINDS = ("rows", "episodes")
+_PARTIAL = f".*{TEMPORARY_SUFFIX}"
 
-@dataclass(frozen=True)
-class Finished:
-    """What is known of a finished block."""
 
-    successes: int
-    size: int
+@dataclass
+class Found:
+    """What is finished of a job, and what is not."""
+
+    missing: list[Block] = field(default_factory=list)
+    """Blocks, or what is left of them."""
+    episodes: int = 0
+    successes: int = 0
+    size: int = 0
     """Bytes on disk."""
 
 
 class EpisodeStore:
     """Reads and writes `rows/` (one row per policy step) and `episodes/` (one per episode).
 
-    A block is finished when both of its files stand; that in `episodes/` is written last.
+    A block is finished when both of its files stand; that in `episodes/` is written last. Until
+    then each of its episodes has such a pair in `unfinished/`, so that a stop loses none.
     """
 
     def __init__(self, folder: Path) -> None:
         """Args: the job's folder, which exists."""
         self.folder = folder
-        self._rows = folder / "rows"
-        self._episodes = folder / "episodes"
+        self._unfinished = folder / "unfinished"
+        self._block_of: dict[Block, Block] = {}
         self._columns: tuple[pa.Schema, list[str]] | None = None
 
-    def open(self, job: Job) -> dict[Block, Finished]:
+    def open(self, job: Job, index: int = 0) -> Found:
         """Makes the folder ready for a job, new or to be resumed.
 
+        Args:
+            job: whose folder it is.
+            index: of the job among those that run together.
+
         Returns:
-            The blocks that are finished, each checked.
+            What is there, all of it checked.
 
         Raises:
             UserError: the folder holds another job, a damaged file or one of something else,
@@ -49,39 +63,42 @@ class EpisodeStore:
         """
         try:
             _write_description(job, self.folder)
-            self._rows.mkdir(exist_ok=True)
-            self._episodes.mkdir(exist_ok=True)
+            for name in _KINDS:
+                (self.folder / name).mkdir(exist_ok=True)
         except OSError as error:
             raise self._unwritable(self.folder, error) from error
         compare_description(job, self.folder)
-        self.discard_partial_files()
-        blocks = {f"{block.name}.parquet": block for block in job.blocks()}
-        self._refuse_strangers(set(blocks))
-        return {
-            block: self._check(block, job.scenario.seed)
-            for name, block in blocks.items()
-            if (self._episodes / name).exists() and (self._rows / name).exists()
-        }
+        self._discard_partial_files()
+        blocks = list(job.blocks(index))
+        self._block_of = {episode: block for block in blocks for episode in block.each()}
+        self._refuse_strangers(self.folder, blocks)
+        self._refuse_strangers(self._unfinished, self._block_of)
+        found = Found()
+        for block in blocks:
+            self._look_for(block, job.scenario.seed, found)
+        return found
 
-    def write(self, block: Block, shard: Shard) -> None:
-        """Writes a finished block.
+    def write(self, episode: Block, shard: Shard) -> None:
+        """Writes a finished episode; with the last one of its block, the block.
+
+        Args:
+            episode: a block of one.
+            shard: its content.
 
         Raises:
             UserError: the disk is full or fails, or the folder's shards have other columns;
                 what was written before is kept.
         """
-        rows, episodes = self._paths(block)
+        pair = Pair.of(self._unfinished, episode)
         columns = shard_columns(pa.BufferReader(shard.rows), pa.BufferReader(shard.episodes))
-        self._compare_columns(rows, columns)
-        for content, path in ((shard.rows, rows), (shard.episodes, episodes)):
-            try:
-                write_atomically(content, path)
-            except OSError as error:
-                raise self._unwritable(path, error) from error
+        self._compare_columns(pair.rows, columns)
+        self._write(pair, shard)
+        self._finish(self._block_of[episode])
 
     def read_summaries(self) -> list[dict[str, Any]]:
         """Reads the summaries of all finished episodes, by object and episode."""
-        tables = [pq.read_table(path) for path in sorted(self._episodes.glob("*.parquet"))]
+        folder = self.folder / "episodes"
+        tables = [pq.read_table(path) for path in sorted(folder.glob("*.parquet"))]
         if not tables:
             return []
         summaries: list[dict[str, Any]] = pa.concat_tables(
@@ -89,26 +106,60 @@ class EpisodeStore:
         ).to_pylist()
         return summaries
 
-    def discard_partial_files(self) -> None:
-        """Removes what a run left that was stopped while it wrote."""
-        for folder in (self.folder, self._rows, self._episodes):
-            for path in folder.glob(f".*{TEMPORARY_SUFFIX}"):
-                path.unlink(missing_ok=True)
-
     def kept(self) -> str:
         """Says, for a message, what is there already."""
-        count = sum(1 for _ in self._episodes.glob("*.parquet"))
-        return f"{count} finished blocks are kept in {self.folder}"
+        return f"finished episodes are kept in {self.folder}"
 
-    def _paths(self, block: Block) -> tuple[Path, Path]:
-        name = f"{block.name}.parquet"
-        return self._rows / name, self._episodes / name
+    def _look_for(self, block: Block, seed: int, found: Found) -> None:
+        """Adds what is there of a block, and what is not."""
+        whole = Pair.of(self.folder, block)
+        if whole.exists:
+            self._check(block, whole, seed, found)
+            self._discard_episodes(block)
+            return
+        missing = []
+        for episode in block.each():
+            pair = Pair.of(self._unfinished, episode)
+            if pair.exists:
+                self._check(episode, pair, seed, found)
+            else:
+                missing.append(episode)
+        if missing:
+            found.missing.extend(runs(missing))
+        else:
+            self._finish(block)
 
-    def _check(self, block: Block, seed: int) -> Finished:
-        rows, episodes = self._paths(block)
-        successes = check_shard(rows, episodes, block, seed)
-        self._compare_columns(rows, shard_columns(rows, episodes))
-        return Finished(successes, rows.stat().st_size + episodes.stat().st_size)
+    def _check(self, block: Block, pair: Pair, seed: int, found: Found) -> None:
+        found.successes += check_shard(pair.rows, pair.episodes, block, seed)
+        self._compare_columns(pair.rows, shard_columns(pair.rows, pair.episodes))
+        found.episodes += block.count
+        found.size += pair.size
+
+    def _finish(self, block: Block) -> None:
+        """Joins the episodes of a block, if all are there."""
+        pairs = [Pair.of(self._unfinished, episode) for episode in block.each()]
+        if all(pair.exists for pair in pairs):
+            self._write(Pair.of(self.folder, block), join(pairs))
+            self._discard_episodes(block)
+
+    def _write(self, pair: Pair, shard: Shard) -> None:
+        try:
+            pair.write(shard)
+        except OSError as error:
+            raise self._unwritable(pair.rows, error) from error
+
+    def _discard_episodes(self, block: Block) -> None:
+        for episode in block.each():
+            Pair.of(self._unfinished, episode).remove()
+        for folder in (*(self._unfinished / name for name in _KINDS), self._unfinished):
+            with suppress(OSError):  # Another block has episodes there.
+                folder.rmdir()
+
+    def _discard_partial_files(self) -> None:
+        """Removes what a run left that was stopped while it wrote."""
+        for path in [*self.folder.glob(_PARTIAL), *self.folder.glob(f"*/{_PARTIAL}"),
+                     *self._unfinished.glob(f"*/{_PARTIAL}")]:  # fmt: skip
+            path.unlink(missing_ok=True)
 
     def _compare_columns(self, path: Path, columns: tuple[pa.Schema, list[str]]) -> None:
         """Compares with the first shard: keypush may change without a new version."""
@@ -122,9 +173,10 @@ class EpisodeStore:
                 f"allowed: another output folder; {self.kept()}"
             )
 
-    def _refuse_strangers(self, names: set[str]) -> None:
-        for folder in (self._rows, self._episodes):
-            for path in sorted(folder.glob("*.parquet")):
+    def _refuse_strangers(self, folder: Path, blocks: Iterable[Block]) -> None:
+        names = {f"{block.name}.parquet" for block in blocks}
+        for kind in _KINDS:
+            for path in sorted((folder / kind).glob("*.parquet")):
                 if path.name not in names:
                     raise UserError(f"{path}: is no part of this job; allowed: its blocks alone")
 

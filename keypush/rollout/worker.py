@@ -2,7 +2,7 @@
 
 import gc
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from typing import Protocol
@@ -29,7 +29,8 @@ MakeRunner = Callable[[Scenario], Runner]
 class EpisodeDone:
     """Message: an episode has ended."""
 
-    success: bool
+    episode: int
+    shard: Shard
 
 
 @dataclass(frozen=True)
@@ -41,56 +42,56 @@ class Failed:
     """Whether it was a `UserError`, whose text is meant for the user."""
 
 
-Message = EpisodeDone | Shard | Failed
+Message = EpisodeDone | Failed
 
 
 class BlockWorker:
-    """Runs blocks one after the other; keeps the diagram while the object stays the same."""
+    """Runs blocks one after the other; keeps the diagram while job and object stay the same."""
 
-    def __init__(self, scenario: Scenario, make_runner: MakeRunner) -> None:
-        """Args: what every episode shares, and what makes the runner of an object."""
-        self._scenario = scenario
+    def __init__(self, scenarios: Sequence[Scenario], make_runner: MakeRunner) -> None:
+        """Args: what the episodes of each job share, and what makes the runner of an object."""
+        self._scenarios = scenarios
         self._make_runner = make_runner
         self._runner: Runner | None = None
-        self._object = ""
+        self._diagram: tuple[int, str] | None = None
 
-    def run(self, block: Block, after_episode: Callable[[bool], None]) -> Shard | Failed:
+    def run(self, block: Block, tell: Callable[[Message], None]) -> None:
         """Runs a block.
 
         Args:
             block: what to run.
-            after_episode: called after each episode with its success; what it raises
-                passes through.
+            tell: is told of each episode that has ended, or of the failure of one, which is the
+                last; what it raises passes through.
         """
-        results = []
         for episode in range(block.first, block.first + block.count):
             try:
-                results.append(self._runner_of(block.object).run(episode))
+                result = self._runner_of(block).run(episode)
             except UserError as error:
-                return Failed(str(error), by_user=True)
+                return tell(Failed(str(error), by_user=True))
             except Exception:
-                return Failed(traceback.format_exc(), by_user=False)
-            after_episode(bool(results[-1].summary["success"]))
-        return make_shard(results)
+                return tell(Failed(traceback.format_exc(), by_user=False))
+            tell(EpisodeDone(episode, make_shard(result)))
+        return None
 
-    def _runner_of(self, name: str) -> Runner:
-        if self._runner is None or name != self._object:
+    def _runner_of(self, block: Block) -> Runner:
+        if self._runner is None or block.diagram != self._diagram:
             self._runner = None
             gc.collect()  # Python does not see how much memory a diagram holds.
-            scenario = replace(self._scenario, object=replace(self._scenario.object, name=name))
-            self._runner, self._object = self._make_runner(scenario), name
+            shared = self._scenarios[block.job]
+            scenario = replace(shared, object=replace(shared.object, name=block.object))
+            self._runner, self._diagram = self._make_runner(scenario), block.diagram
         return self._runner
 
 
-def work(connection: Connection, scenario: Scenario, make_runner: MakeRunner) -> None:
+def work(connection: Connection, scenarios: Sequence[Scenario], make_runner: MakeRunner) -> None:
     """Serves blocks until the connection closes, which also happens when the parent dies.
 
     Nothing is written here, so that a process whose parent was killed leaves no trace.
     """
-    worker = BlockWorker(scenario, make_runner)
+    worker = BlockWorker(scenarios, make_runner)
     try:
         while True:
             block: Block = connection.recv()
-            connection.send(worker.run(block, lambda ok: connection.send(EpisodeDone(ok))))
+            worker.run(block, connection.send)
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return

@@ -5,11 +5,11 @@ import subprocess
 import time
 from pathlib import Path
 
-import pyarrow.parquet as pq
 import pytest
 
 from keypush.cli.main import main
 from tests.cli.command import KEYPUSH
+from tests.rollout.short_scenarios import finished_episodes
 
 ARGUMENTS = (
     "collect", "--objects", "plate", "--episodes-per-object", "45", "--workers", "1",
@@ -30,10 +30,10 @@ def test_finished_blocks_outlive_a_full_disk(
     assert process.returncode == 2
     last = errors.splitlines()[-1]
     assert "cannot be written: File too large" in last
-    assert "finished blocks are kept" in last
+    assert "finished episodes are kept" in last
     assert "Traceback" not in errors
 
-    left = 45 - len(pq.read_table(tmp_path / "collecting" / "episodes"))
+    left = 45 - finished_episodes(tmp_path / "collecting")
     assert 0 < left < 45
     assert main([*ARGUMENTS, str(tmp_path)]) == 0
     assert f"{left} of 45 episodes to run" in capsys.readouterr().err

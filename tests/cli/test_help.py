@@ -10,7 +10,19 @@ import pytest
 from keypush.cli.main import main
 from tests.cli.command import keypush
 
-VERBS = ("demo", "collect", "dataset", "train", "evaluate", "bench", "diagram", "objects")
+VERBS = (
+    "demo",
+    "collect",
+    "dataset",
+    "train",
+    "ablate",
+    "evaluate",
+    "reproduce",
+    "report",
+    "bench",
+    "diagram",
+    "objects",
+)
 
 
 @pytest.mark.parametrize("arguments", [[], ["--help"]])

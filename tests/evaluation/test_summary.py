@@ -41,6 +41,8 @@ def test_rates_intervals_and_failures() -> None:
         "successes": 2,
         "success_rate": 0.5,
         "wilson95": list(wilson_interval(2, 4)),
+        "settled_success_rate": 0.25,
+        "settled_wilson95": list(wilson_interval(1, 4)),
         "failures": {"fell": 1, "toppled": 1},
     }
     assert list(summary["objects"]) == ["mug", "bottle"]
@@ -70,6 +72,25 @@ def test_without_capped_shifts_nothing_is_said_of_them() -> None:
     episodes = [{**e, "com_capped": False} for e in _episodes()]
     assert summarise(episodes) == summarise(_episodes())
     assert "COM" not in "".join(_table_lines(episodes))
+
+
+def test_steps_and_lengths_are_told_where_they_are_known() -> None:
+    episodes = _episodes()
+    for number, episode in enumerate(episodes):
+        error = float("nan") if number == 0 else 0.01 * number
+        episode |= {"steps": 10 * number, "object_path": 0.1, "tool_path": 0.5 * number,
+                    "keypoint_error": error}  # fmt: skip
+    summary = summarise(episodes)
+    # Successes are the episodes 0, 1 (mug) and 4 (bottle).
+    assert summary["median_steps"] == 10
+    assert summary["objects"]["mug"]["median_steps"] == 5
+    assert summary["mean_object_path"] == pytest.approx(0.1)
+    assert summary["mean_tool_path"] == pytest.approx(0.5 * 28 / 8)
+    assert summary["mean_keypoint_error"] == pytest.approx(0.01 * 28 / 7)
+    assert summary["objects"]["mug"]["mean_keypoint_error"] == pytest.approx(0.02)
+    lost = [e | {"success": False, "keypoint_error": float("nan")} for e in episodes]
+    assert summarise(lost)["median_steps"] is None
+    assert summarise(lost)["mean_keypoint_error"] is None
 
 
 def test_no_episodes_are_refused() -> None:

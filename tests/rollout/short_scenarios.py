@@ -2,9 +2,12 @@
 
 import os
 import signal
+import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+
+import pyarrow.parquet as pq
 
 from keypush.errors import UserError
 from keypush.rollout.episode import EpisodeResult, EpisodeRunner
@@ -23,6 +26,13 @@ def bytes_of(folder: Path) -> dict[str, bytes]:
         for path in sorted(folder.rglob("*"))
         if path.is_file()
     }
+
+
+def finished_episodes(folder: Path) -> int:
+    """How many episodes a job's folder holds, in blocks and single ones."""
+    files = [*(folder / "episodes").glob("*.parquet")]
+    files += (folder / "unfinished" / "episodes").glob("*.parquet")
+    return sum(pq.read_metadata(file).num_rows for file in files)
 
 
 class RaisingRunner:
@@ -59,6 +69,34 @@ class DyingOnceRunner(EpisodeRunner):
         if not self._trace.exists():
             self._trace.touch()
             os.kill(os.getpid(), signal.SIGKILL)
+        return super().run(episode)
+
+
+class DyingLaterRunner(DyingOnceRunner):
+    """The same in episode 3."""
+
+    def run(self, episode: int) -> EpisodeResult:
+        return super().run(episode) if episode == 3 else EpisodeRunner.run(self, episode)
+
+
+class InterruptingRunner(EpisodeRunner):
+    """Interrupts its parent in episode 4, when the one before has been written."""
+
+    def __init__(self, scenario: Scenario, *, folder: Path) -> None:
+        super().__init__(scenario)
+        self._episodes = folder / "unfinished" / "episodes"
+
+    @classmethod
+    def of(cls, folder: Path) -> Callable[[Scenario], "InterruptingRunner"]:
+        """Makes runners of a job's folder."""
+        return partial(cls, folder=folder)
+
+    def run(self, episode: int) -> EpisodeResult:
+        if episode == 4:
+            while not list(self._episodes.glob("*-000003.parquet")):
+                time.sleep(0.01)
+            os.kill(os.getppid(), signal.SIGINT)
+            time.sleep(60)
         return super().run(episode)
 
 

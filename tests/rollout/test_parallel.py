@@ -10,10 +10,13 @@ import pytest
 from keypush.errors import UserError
 from keypush.rollout.job import EPISODES_PER_BLOCK, Job
 from keypush.rollout.parallel import run_job
+from keypush.rollout.store import EpisodeStore
 from keypush.rollout.worker import MakeRunner
 from tests.rollout.short_scenarios import (
+    DyingLaterRunner,
     DyingOnceRunner,
     DyingRunner,
+    InterruptingRunner,
     MistakenRunner,
     RaisingRunner,
     bytes_of,
@@ -105,6 +108,57 @@ def test_a_killed_worker_is_replaced_and_its_block_run_again(
     lines = [line for line in capsys.readouterr().err.splitlines() if "SIGKILL" in line]
     assert len(lines) == 1
     assert lines[0].startswith("keypush: block ")
+
+
+def test_a_killed_worker_loses_the_episode_under_way_alone(
+    finished: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run_job(_job(), tmp_path, workers=1, make_runner=DyingLaterRunner.beside(tmp_path))
+    assert bytes_of(tmp_path) == bytes_of(finished)
+    assert "block plate-000003 (episodes 3 to 9 of plate)" in capsys.readouterr().err
+
+
+def test_a_stop_in_a_block_loses_no_finished_episode(finished: Path, tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        run_job(_job(), tmp_path, workers=1, make_runner=InterruptingRunner.of(tmp_path))
+    kept = sorted(path.name for path in (tmp_path / "unfinished" / "episodes").iterdir())
+    assert kept == [f"plate-{n:06d}.parquet" for n in range(4)]
+    store = EpisodeStore(tmp_path)
+    found = store.open(_job())
+    assert found.episodes == 4
+    assert [(b.object, b.first, b.count) for b in found.missing][:2] == [
+        ("plate", 4, 6),
+        ("plate", 10, 1),
+    ]
+    run_job(_job(), tmp_path, workers=2)
+    assert bytes_of(tmp_path) == bytes_of(finished)
+
+
+def test_a_stop_between_the_last_episode_and_its_block_costs_nothing(tmp_path: Path) -> None:
+    job = Job(scenario=short_scenario(), objects=("plate",), episodes=4)
+    with pytest.raises(KeyboardInterrupt):
+        run_job(_job(), tmp_path, workers=1, make_runner=InterruptingRunner.of(tmp_path))
+    (tmp_path / "job.yaml").unlink()
+    found = EpisodeStore(tmp_path).open(job)
+    assert (found.episodes, found.missing) == (4, [])
+    assert not (tmp_path / "unfinished").exists()
+    run_job(job, tmp_path, workers=1)
+    assert len(EpisodeStore(tmp_path).read_summaries()) == 4
+
+
+@pytest.mark.parametrize("kind", ["rows", "episodes"])
+def test_a_damaged_unfinished_episode_is_named(kind: str, tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        run_job(_job(), tmp_path, workers=1, make_runner=InterruptingRunner.of(tmp_path))
+    path = tmp_path / "unfinished" / kind / "plate-000002.parquet"
+    path.write_bytes(path.read_bytes()[:-20])
+    with pytest.raises(
+        UserError, match=rf"unfinished/{kind}/plate-000002\.parquet: cannot be read"
+    ):
+        run_job(_job(), tmp_path, workers=1)
+    path.rename(path.with_name("can-000099.parquet"))
+    with pytest.raises(UserError, match=r"can-000099\.parquet: is no part of this job"):
+        run_job(_job(), tmp_path, workers=1)
 
 
 def test_blocks_cover_every_episode_without_overlap() -> None:

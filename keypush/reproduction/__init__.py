@@ -1,0 +1,1 @@
+"""The thesis' tables of success rates, run anew."""

@@ -1,0 +1,84 @@
+"""How long an evaluation really took, over all its stops."""
+
+import json
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from keypush.atomic_file import write_whole
+from keypush.errors import UserError, one_line
+from keypush.evaluation.evaluate import condition_folders
+from keypush.rollout.job import Job
+
+TIMING_FILE = "timing.json"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Session:
+    """One start of the command that finished episodes."""
+
+    episodes: int
+    """In blocks that were finished."""
+    seconds: float
+    """From the start of the workers to their end; also what was spent on unfinished blocks."""
+    workers: int
+
+
+def finished_episodes(jobs: Sequence[Job], out: Path) -> int:
+    """Counts the episodes of an evaluation whose files stand."""
+    return sum(
+        block.count
+        for job, folder in zip(jobs, condition_folders(jobs), strict=True)
+        for block in job.blocks()
+        if (out / folder / "episodes" / f"{block.name}.parquet").exists()
+    )
+
+
+@contextmanager
+def timed(jobs: Sequence[Job], out: Path, workers: int) -> Iterator[None]:
+    """Adds the session that runs inside to `timing.json`, however it ends.
+
+    Raises:
+        UserError: the file is damaged or cannot be written.
+    """
+    sessions = read_sessions(out)
+    before, began = finished_episodes(jobs, out), time.monotonic()
+    try:
+        yield
+    finally:
+        episodes, seconds = finished_episodes(jobs, out) - before, time.monotonic() - began
+        if episodes:
+            session = Session(episodes=episodes, seconds=seconds, workers=workers)
+            _write([*sessions, session], out)
+
+
+def read_sessions(out: Path) -> list[Session]:
+    """Reads the sessions of an evaluation so far.
+
+    Raises:
+        UserError: the file is damaged.
+    """
+    path = out / TIMING_FILE
+    if not path.exists():
+        return []
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        return [Session(**entry) for entry in found["sessions"]]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise UserError(
+            f"{path}: cannot be read: {one_line(error)}; "
+            "allowed: the file as it was written, or none"
+        ) from error
+
+
+def rate(sessions: Sequence[Session]) -> float | None:
+    """Returns episodes per second over all sessions; None without any."""
+    seconds = sum(session.seconds for session in sessions)
+    return sum(session.episodes for session in sessions) / seconds if seconds else None
+
+
+def _write(sessions: Sequence[Session], out: Path) -> None:
+    content = {"sessions": [asdict(session) for session in sessions]}
+    write_whole(out / TIMING_FILE, (json.dumps(content, indent=1) + "\n").encode())
