@@ -1,0 +1,1 @@
+"""Turns the records of evaluations into a page and into Markdown."""
