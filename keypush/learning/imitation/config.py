@@ -54,3 +54,7 @@ class ImitationConfig(DataConfig):
         super().validate()
         if WIDTH % self.heads:
             raise UserError(f"heads is {self.heads}; allowed: divisors of {WIDTH}")
+
+    def rate_after(self, epochs: float) -> float:
+        """Returns the learning rate after this many epochs: halved again and again."""
+        return float(self.learning_rate * 0.5 ** (int(epochs) // self.halve_every))

@@ -2,7 +2,7 @@
 
 import torch
 
-from keypush.learning.imitation.targets import Clips
+from keypush.learning.clips import Clips
 from keypush.learning.metrics import keypoint_errors
 from keypush.networks.normalisation import LENGTH
 

@@ -1,7 +1,7 @@
 """Rows as inputs and targets of the thesis' networks, without their clouds."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -38,6 +38,10 @@ class Examples:
 
     def __len__(self) -> int:
         return len(self.object_index)
+
+    def without_com(self) -> "Examples":
+        """The same examples, of which the network is told the goal alone."""
+        return replace(self, query=self.query[:, :2].contiguous())
 
 
 def make_examples(

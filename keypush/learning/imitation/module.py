@@ -6,11 +6,11 @@ from typing import ClassVar, override
 import torch
 from torch.nn import functional
 
+from keypush.learning.clips import Clips
 from keypush.learning.imitation.config import ImitationConfig
 from keypush.learning.imitation.errors import summarise
 from keypush.learning.imitation.examples import Examples
 from keypush.learning.imitation.selection import Selection
-from keypush.learning.imitation.targets import Clips
 from keypush.learning.imitation.token_source import Fetch, TokenSource
 from keypush.learning.lightning_run import EpochModule
 from keypush.networks.keypoint_network import BehaviorCloningNetwork, KeypointNetwork
@@ -48,6 +48,7 @@ class ImitationModule(EpochModule):
         self.examples = examples
         self.train_rows = torch.from_numpy(selection.train)
         self._validation = torch.from_numpy(selection.validation)
+        self._held_out = torch.from_numpy(selection.some_held_out())
         self.tokens = tokens
         self._clips = clips
 
@@ -68,8 +69,12 @@ class ImitationModule(EpochModule):
 
     @override
     def errors(self) -> dict[str, float]:
-        """See `errors.summarise`."""
-        return self.measure(self._validation)
+        """See `errors.summarise`; where objects are held out, theirs as `held_out_...`, too."""
+        others = self.measure(self._held_out) if len(self._held_out) else {}
+        return {
+            **self.measure(self._validation),
+            **{f"held_out_{name}": value for name, value in others.items()},
+        }
 
     def measure(self, index: torch.Tensor) -> dict[str, float]:
         """Measures the network on some examples."""
@@ -84,7 +89,7 @@ class ImitationModule(EpochModule):
     @override
     def learning_rate(self, epochs: float) -> float:
         """Halved again and again."""
-        return float(self.config.learning_rate * 0.5 ** (int(epochs) // self.config.halve_every))
+        return self.config.rate_after(epochs)
 
     @override
     def configure_optimizers(self) -> torch.optim.Optimizer:

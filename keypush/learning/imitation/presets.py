@@ -12,7 +12,7 @@ PRESETS: dict[str, dict[str, Any]] = {
 """Fields of `ImitationConfig` that differ from their defaults, by name."""
 
 
-def preset_config(config: ImitationConfig, name: str) -> ImitationConfig:
+def preset_config[Config: ImitationConfig](config: Config, name: str) -> Config:
     """Returns the settings of a preset.
 
     Args:

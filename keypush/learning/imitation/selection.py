@@ -30,6 +30,12 @@ class Selection:
     validation: Index
     held_out: dict[str, Index]
 
+    def some_held_out(self) -> Index:
+        """Returns at most `MOST_ROWS` places of held-out rows, as many of every object."""
+        most = MOST_ROWS // max(len(self.held_out), 1)
+        parts = [index[:: -(-len(index) // most) or 1] for index in self.held_out.values()]
+        return np.concatenate([*parts, np.empty(0, dtype=np.int64)])
+
 
 def select_rows(rows: Rows, usable: NDArray[np.bool_], config: ImitationConfig) -> Selection:
     """Draws as many rows of every object as are wanted, and at most `MOST_ROWS` to measure with.

@@ -1,38 +1,16 @@
 """What a row teaches each of the thesis' networks."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from keypush.learning.clips import Clips
 from keypush.learning.imitation.config import ImitationConfig
 from keypush.learning.labels import make_labels
 from keypush.learning.rows import Rows
 from keypush.networks.normalisation import normalise_positions
 from keypush.planning.plan_state import Stage
-from keypush.scenario import ControlConfig
 
 Targets = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Clips:
-    """What is 1 in the target of behaviour cloning: the clips of the tool action."""
-
-    translation: float
-    """m per axis."""
-    rotation: float
-    """rad per axis."""
-
-    @staticmethod
-    def of(control: ControlConfig) -> "Clips":
-        """Those of a scenario."""
-        return Clips(control.max_translation, control.max_rotation)
-
-    @property
-    def of_action(self) -> NDArray[np.float64]:
-        """The clip of every entry of an action, (6,)."""
-        return np.repeat([self.translation, self.rotation], 3)
 
 
 def make_targets(kind: str, rows: Rows, clips: Clips, config: ImitationConfig) -> Targets:

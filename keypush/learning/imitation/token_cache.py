@@ -15,15 +15,15 @@ import torch
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from keypush.atomic_file import write_whole
 from keypush.errors import UserError, one_line
-from keypush.learning.checkpoint import write_whole
 from keypush.learning.clouds import surface_samplers
 from keypush.learning.imitation.config import ImitationConfig
 from keypush.learning.imitation.encoding import EncoderInput, clouds_of, encode, posed
 from keypush.learning.imitation.examples import Examples
 from keypush.learning.imitation.token_source import MOST_CLOUDS, Fetch, TokenSource
 from keypush.learning.record import digest_of
-from keypush.networks.config import WIDTH
+from keypush.networks.config import WIDTH, EncoderConfig
 from keypush.networks.patch_encoder import PatchTransformerEncoder
 
 FOLDER = "cache"
@@ -74,16 +74,45 @@ def cache_tokens(
         UserError: there is no room on the disk, or the folder cannot be written.
     """
     tokens = encoder.config.patches + 1
-    size = len(examples) * tokens * WIDTH * 2
+    size = cache_bytes(len(examples), encoder.config)
     key = _key(examples, encoder, config)
     done = _objects_done(folder, key, size)
     path = folder / _TOKENS
     if done < len(examples.objects):
         tell(f"token cache {path}: {len(examples)} rows, {size / 1e9:.2f} GB on disk")
+        if not done:
+            # What it tells is no longer so, once the first row is written.
+            (folder / _STATE).unlink(missing_ok=True)
         _reserve(path, size)
         stored = np.memmap(path, dtype=np.int16, mode="r+", shape=(len(examples), tokens, WIDTH))
         _encode_all(stored, examples, encoder, config, done, folder / _STATE, key)
-    return CachedTokens(path, len(examples), tokens)
+    return open_cache(folder, len(examples), encoder.config)
+
+
+def open_cache(folder: Path, examples: int, encoder: EncoderConfig) -> CachedTokens:
+    """Opens a cache that `cache_tokens` has finished, of so many examples."""
+    return CachedTokens(folder / _TOKENS, examples, encoder.patches + 1)
+
+
+def cache_bytes(examples: int, encoder: EncoderConfig) -> int:
+    """Returns the size of a cache on disk."""
+    return examples * (encoder.patches + 1) * WIDTH * 2
+
+
+def check_room(folder: Path, size: int) -> None:
+    """Checks that a folder that is there has room for a cache, in place of one that is there.
+
+    Raises:
+        UserError: it has not.
+    """
+    path = folder / _TOKENS
+    there = path.stat().st_size if path.exists() else 0
+    free = shutil.disk_usage(folder).free + there
+    if free < size + _SPARE:
+        raise UserError(
+            f"{path}: needs {size / 1e9:.2f} GB and {free / 1e9:.2f} GB are free; allowed: a "
+            "smaller rows_per_object, cache false, or an output folder with more room"
+        )
 
 
 def scenes_of_object(
@@ -149,13 +178,7 @@ def _reserve(path: Path, size: int) -> None:
     """Makes the file at its full size, so that no write into the map can fail."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        there = path.stat().st_size if path.exists() else 0
-        free = shutil.disk_usage(path.parent).free + there
-        if free < size + _SPARE:
-            raise UserError(
-                f"{path}: needs {size / 1e9:.2f} GB and {free / 1e9:.2f} GB are free; allowed: a "
-                "smaller rows_per_object, cache false, or an output folder with more room"
-            )
+        check_room(path.parent, size)
         with path.open("ab") as file:
             file.truncate(size)
             os.posix_fallocate(file.fileno(), 0, size)

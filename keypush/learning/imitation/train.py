@@ -1,28 +1,31 @@
 """Training of the thesis' networks on an expert's episodes."""
 
 import dataclasses
-import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
 
+from keypush.atomic_file import write_whole
 from keypush.dataset.read import open_dataset
 from keypush.learning.card import weights_path
 from keypush.learning.checkpoint import load_network, parameter_count, save_network
+from keypush.learning.clips import Clips
 from keypush.learning.clouds import surface_samplers
 from keypush.learning.imitation.config import ImitationConfig
 from keypush.learning.imitation.examples import Examples, make_examples
 from keypush.learning.imitation.module import ImitationModule
-from keypush.learning.imitation.selection import select_rows
-from keypush.learning.imitation.targets import Clips, make_targets
+from keypush.learning.imitation.selection import Selection, select_rows
+from keypush.learning.imitation.targets import make_targets
 from keypush.learning.imitation.token_cache import FOLDER, cache_tokens
-from keypush.learning.imitation.token_source import FreshTokens
+from keypush.learning.imitation.token_source import FreshTokens, TokenSource
 from keypush.learning.lightning_run import check_accelerator, fit, one_thread
 from keypush.learning.record import command_line, data_record, digest_of, git_revision
-from keypush.learning.rows import read_rows
+from keypush.learning.rows import Rows, read_rows
+from keypush.learning.tensors import encoder_record
 from keypush.networks.config import KeypointConfig
 from keypush.networks.contact_network import ContactNetwork
 from keypush.networks.keypoint_network import BehaviorCloningNetwork, KeypointNetwork
@@ -35,6 +38,23 @@ NETWORKS: dict[str, type[KeypointNetwork] | type[BehaviorCloningNetwork]] = {
 }
 
 
+@dataclass(frozen=True)
+class HeadData:
+    """What heads are trained on, but for the tokens.
+
+    Attributes:
+        examples: all that were selected.
+        selection: what each of them is for.
+        clips: of the action.
+        digest: a hash of what is trained on.
+    """
+
+    examples: Examples
+    selection: Selection
+    clips: Clips
+    digest: str
+
+
 def train_imitation(
     kind: str,
     data_dir: Path,
@@ -45,7 +65,7 @@ def train_imitation(
 ) -> dict[str, Any]:
     """Trains a head, or goes on where an interrupted run in `out_dir` stopped.
 
-    The finished network is written to `out_dir/KIND.safetensors`.
+    The finished head is written to `out_dir/KIND.safetensors`, and a copy of its encoder beside it.
 
     Args:
         kind: one of `NETWORKS`.
@@ -68,51 +88,88 @@ def train_imitation(
     network = make_network(kind, encoder, config)
     rows = read_rows(data_dir, keep_failures=config.keep_failures)
     surface_samplers([(name, 1.0) for name in sorted({name for name, _ in rows.objects})])
-    clips = Clips.of(load_scenario(open_dataset(data_dir).scenario).control)
-    targets = make_targets(kind, rows, clips, config)
-    selection = select_rows(rows, np.isfinite(targets).all(axis=1), config)
-    examples = make_examples(rows, targets, selection.rows, use_com=config.use_com)
-    digest = _digest(examples)
-    encoder_file = weights_path(encoder)
-    encoder_record = {
-        "file": encoder_file.name,
-        "sha256": hashlib.sha256(encoder_file.read_bytes()).hexdigest(),
-    }
-    identity = {
-        **dataclasses.asdict(config),
-        "kind": kind,
-        "data": digest,
-        "encoder": encoder_record["sha256"],
-    }
+    data = head_data(kind, rows, data_dir, config)
+    standing_on = encoder_record(weights_path(encoder))
     with one_thread():
         tokens = (
-            cache_tokens(out_dir / FOLDER, examples, network.encoder, config, tell)
+            cache_tokens(out_dir / FOLDER, data.examples, network.encoder, config, tell)
             if config.cache
-            else FreshTokens(examples, network.encoder, config)
+            else FreshTokens(data.examples, network.encoder, config)
         )
-    module = ImitationModule(network, examples, selection, tokens, clips, config)
-    fit(module, out_dir, identity)
-    with one_thread():
-        metrics: dict[str, Any] = {
-            "history": module.history,
-            "validation": module.measure(torch.from_numpy(selection.validation)),
-            "held_out_objects": {
-                name: module.measure(torch.from_numpy(index))
-                for name, index in selection.held_out.items()
-            },
-        }
+    identity = {"kind": kind, "encoder": standing_on["sha256"]}
+    metrics = train_head(network, data, tokens, out_dir, config, identity)
     record = {
         "parameters": parameter_count(network.head),
         "git_revision": git_revision(),
         "command": command_line(),
-        "encoder": encoder_record,
-        "action_clips": dataclasses.asdict(clips),
-        "data": {**data_record(rows, digest), "trained_rows": len(selection.train)},
+        "encoder": standing_on,
+        "action_clips": dataclasses.asdict(data.clips),
+        "data": {
+            **data_record(rows, data.digest),
+            "trained_rows": len(data.selection.train),
+        },
         "training": dataclasses.asdict(config),
         "metrics": metrics,
     }
+    _put_beside(weights_path(encoder), out_dir)
     save_network(network, out_dir / f"{kind}.safetensors", record)
     return metrics
+
+
+def head_data(kind: str, rows: Rows, data_dir: Path, config: ImitationConfig) -> HeadData:
+    """Selects rows of a data set and makes examples of them.
+
+    Args:
+        kind: one of `NETWORKS`.
+        rows: all rows of the data set.
+        data_dir: its folder.
+        config: settings.
+
+    Raises:
+        UserError: see `split_rows`.
+    """
+    clips = Clips.of(load_scenario(open_dataset(data_dir).scenario).control)
+    targets = make_targets(kind, rows, clips, config)
+    selection = select_rows(rows, np.isfinite(targets).all(axis=1), config)
+    examples = make_examples(rows, targets, selection.rows, use_com=config.use_com)
+    return HeadData(examples, selection, clips, _digest(examples))
+
+
+def train_head(
+    network: Network,
+    data: HeadData,
+    tokens: TokenSource,
+    out_dir: Path,
+    config: ImitationConfig,
+    identity: Mapping[str, str],
+) -> dict[str, Any]:
+    """Trains the head of a network to its end, from where an earlier run in `out_dir` stopped.
+
+    Args:
+        network: its encoder made the tokens.
+        data: what to train and measure on.
+        tokens: of its examples.
+        out_dir: folder for checkpoints and logs.
+        config: settings.
+        identity: what decides the weights beside settings and data.
+
+    Returns:
+        See `train_imitation`.
+
+    Raises:
+        UserError: see `fit`.
+    """
+    module = ImitationModule(network, data.examples, data.selection, tokens, data.clips, config)
+    fit(module, out_dir, {**dataclasses.asdict(config), "data": data.digest, **identity})
+    with one_thread():
+        return {
+            "history": module.history,
+            "validation": module.measure(torch.from_numpy(data.selection.validation)),
+            "held_out_objects": {
+                name: module.measure(torch.from_numpy(index))
+                for name, index in data.selection.held_out.items()
+            },
+        }
 
 
 def make_network(kind: str, encoder: str | Path, config: ImitationConfig) -> Network:
@@ -131,6 +188,13 @@ def make_network(kind: str, encoder: str | Path, config: ImitationConfig) -> Net
     network.encoder.load_state_dict(contact.encoder.state_dict())
     network.eval()
     return network
+
+
+def _put_beside(encoder: Path, out_dir: Path) -> None:
+    """Copies an encoder and its card to where a head on it is written."""
+    for path in (encoder.with_suffix(".json"), encoder):
+        if path.parent.resolve() != out_dir.resolve():
+            write_whole(out_dir / path.name, path.read_bytes())
 
 
 def _digest(examples: Examples) -> str:

@@ -8,10 +8,11 @@ import numpy as np
 import torch
 
 from keypush.learning.checkpoint import save_network
+from keypush.learning.clips import Clips
 from keypush.learning.imitation.config import ImitationConfig
 from keypush.learning.imitation.examples import Examples, make_examples
 from keypush.learning.imitation.selection import Selection, select_rows
-from keypush.learning.imitation.targets import Clips, make_targets
+from keypush.learning.imitation.targets import make_targets
 from keypush.learning.imitation.train import train_imitation
 from keypush.learning.rows import Rows, read_rows
 from keypush.networks.config import EncoderConfig

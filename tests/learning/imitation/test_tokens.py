@@ -1,5 +1,6 @@
 """The token cache, and tokens that are made anew."""
 
+import dataclasses
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,25 @@ def test_cached_outputs_are_those_of_the_whole_network(
             assert (quick - whole).abs().mean() < 0.003
             seen += len(index)
     assert seen == len(examples)
+
+
+def test_a_stopped_build_leaves_nothing_of_the_one_before(
+    examples: Examples, network: KeypointNetwork, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = _cache(tmp_path, examples, network).take(torch.arange(len(examples)))
+    original = token_cache.scenes_of_object
+
+    def stopped(*args):  # type: ignore[no-untyped-def]  # stands in for it
+        yield next(original(*args))
+        raise KeyboardInterrupt
+
+    other = dataclasses.replace(CONFIG, cloud_deviation=0.01)
+    monkeypatch.setattr(token_cache, "scenes_of_object", stopped)
+    with pytest.raises(KeyboardInterrupt):  # of another build of the same size
+        cache_tokens(tmp_path, examples, network.encoder, other, lambda _: None)
+    monkeypatch.undo()
+    again = _cache(tmp_path, examples, network).take(torch.arange(len(examples)))
+    assert torch.equal(again, whole)
 
 
 def test_a_build_that_was_stopped_goes_on_to_the_same_bytes(

@@ -28,12 +28,16 @@ def test_the_head_learns_and_the_encoder_stays(
     metrics = train(kind, tmp_path, encoder, cache=cache)
     losses = [entry["loss"] for entry in metrics["history"]]
     assert losses[-1] < 0.9 * losses[0]
-    weights, given = load_file(tmp_path / f"{kind}.safetensors"), load_file(encoder)
+    network = load_network(tmp_path / f"{kind}.safetensors", NETWORKS[kind])
+    weights, given = network.state_dict(), load_file(encoder)
     of_encoder = [name for name in weights if name.startswith("encoder.")]
     assert len(of_encoder) == sum(name.startswith("encoder.") for name in given)
     for name in of_encoder:
         assert torch.equal(weights[name], given[name]), name
-    assert load_network(tmp_path / f"{kind}.safetensors", NETWORKS[kind]).config.use_com
+    assert network.config.use_com
+    # The head's file does not repeat the encoder, which lies beside it.
+    assert not set(load_file(tmp_path / f"{kind}.safetensors")) & set(of_encoder)
+    assert (tmp_path / encoder.name).read_bytes() == encoder.read_bytes()
 
 
 @pytest.mark.parametrize(
