@@ -7,6 +7,7 @@ import tyro
 from tyro.conf import subcommand
 
 from keypush import __version__
+from keypush.cli.ablate import Ablate
 from keypush.cli.bench import Bench
 from keypush.cli.collect import Collect
 from keypush.cli.dataset import Dataset
@@ -15,6 +16,8 @@ from keypush.cli.diagram import Diagram
 from keypush.cli.evaluate import Evaluate
 from keypush.cli.objects import Objects
 from keypush.cli.pretrain import Pretrain
+from keypush.cli.report import Report
+from keypush.cli.reproduce import Reproduce
 from keypush.cli.train import Train
 from keypush.errors import UserError
 
@@ -24,7 +27,10 @@ Verb = (
     | Annotated[Dataset, subcommand("dataset")]
     | Annotated[Pretrain, subcommand("pretrain")]
     | Annotated[Train, subcommand("train")]
+    | Annotated[Ablate, subcommand("ablate")]
     | Annotated[Evaluate, subcommand("evaluate")]
+    | Annotated[Report, subcommand("report")]
+    | Annotated[Reproduce, subcommand("reproduce")]
     | Annotated[Objects, subcommand("objects")]
     | Annotated[Bench, subcommand("bench")]
     | Annotated[Diagram, subcommand("diagram")]

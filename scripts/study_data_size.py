@@ -1,0 +1,93 @@
+"""How near a keypoint network comes to the label with more and more rows: `docs/learning.md`.
+
+    scripts/uv.sh run scripts/study_data_size.py DATA ENCODER MEASURED OUT [ROWS_PER_OBJECT...]
+
+Trains the thesis' network with the centre of mass on so many rows of every object of DATA (0: all)
+and measures it on the episodes of MEASURED as `offline_errors.py` does. Every training takes the
+same number of optimiser steps, so that only what they are taken on differs. What is trained stays
+in OUT and is not trained again; `errors.json` and `errors.png` lie there in the end.
+"""
+
+import json
+import shutil
+import sys
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+from offline_errors import measure
+
+from keypush.dataset.read import open_dataset
+from keypush.learning.imitation.config import ImitationConfig
+from keypush.learning.imitation.train import train_imitation
+
+SAMPLES = 6_400_000
+"""Rows that a training sees, those that it sees again counted again."""
+ROWS = [625, 2_500, 10_000, 40_000, 0]
+"""With 16 objects: 10 000 rows, four times as many, and so on, and all."""
+_SPLITS = {"train": "objects trained on", "id": "like them", "ood": "unlike them"}
+
+
+def settings(data: Path, rows: int) -> ImitationConfig:
+    """Returns those of a training, whose passes follow from `SAMPLES`."""
+    dataset = open_dataset(data)
+    seen = rows * len(set(dataset.episodes["object"].to_pylist())) if rows else dataset.frames
+    epochs = max(1, round(SAMPLES / seen))
+    halved = ImitationConfig.epochs // ImitationConfig.halve_every
+    return ImitationConfig(
+        rows_per_object=rows, epochs=epochs, halve_every=max(1, round(epochs / halved))
+    )
+
+
+def train(data: Path, encoder: str, out: Path, rows: int) -> Path:
+    """Trains on so many rows of every object, unless that is done; returns the weights."""
+    weights = out / "keypoint.safetensors"
+    if not weights.exists():
+        print(f"{rows or 'all'} rows of every object", flush=True)
+        train_imitation(
+            "keypoint", data, out, encoder, ImitationConfig(rows_per_object=rows), print
+        )
+        shutil.rmtree(out / "cache")
+    return weights
+
+
+def errors_of(weights: Path, measured: Path) -> dict[str, Any]:
+    """Returns the number of rows that weights were trained on, and their errors."""
+    card = json.loads(weights.with_suffix(".json").read_text(encoding="utf-8"))
+    found = measure(measured, [f"keypoint={weights}"])["keypoint"]
+    return {"rows": card["data"]["trained_rows"], **found}
+
+
+def draw(points: list[dict[str, Any]], path: Path) -> None:
+    """Draws mean errors over the number of rows."""
+    figure = Figure(figsize=(6.4, 3.6), layout="constrained")
+    axes = figure.subplots()
+    rows = [point["rows"] for point in points]
+    for (split, told), marker in zip(_SPLITS.items(), "os^", strict=True):
+        axes.plot(rows, [p[split]["error_cm"] for p in points], marker=marker, label=told)
+    axes.set(
+        xscale="log", xlabel="rows trained on", ylabel="mean distance to the label, cm", ylim=0
+    )
+    axes.grid(alpha=0.3)
+    axes.legend()
+    figure.savefig(path, dpi=110)
+
+
+def main() -> None:
+    """Trains what is missing, measures, and draws."""
+    data, encoder, measured, out = (
+        Path(sys.argv[1]),
+        sys.argv[2],
+        Path(sys.argv[3]),
+        Path(sys.argv[4]),
+    )
+    points = []
+    for rows in map(int, sys.argv[5:] or ROWS):
+        weights = train(data, encoder, out / f"rows_{rows}", rows)
+        points.append(errors_of(weights, measured))
+        (out / "errors.json").write_text(json.dumps(points, indent=1) + "\n", encoding="utf-8")
+    draw(points, out / "errors.png")
+
+
+if __name__ == "__main__":
+    main()
