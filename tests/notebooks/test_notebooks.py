@@ -1,5 +1,6 @@
-"""Every notebook runs as it is, and is stored without what it printed."""
+"""Every notebook runs as it is, shows what it promises, and is stored without what it printed."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import nbformat
@@ -8,23 +9,38 @@ from nbclient import NotebookClient
 
 FOLDER = Path(__file__).parents[2] / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
+RECORDINGS = {"data_set": 0, "station": 2}
+"""How many recordings each notebook plays."""
+BLANK_PICTURE = 12_000
+"""Axes with labels and nothing in them make about 10 000 characters of PNG in base64."""
 
 
 def test_there_are_notebooks() -> None:
-    assert NOTEBOOKS
+    assert {path.stem for path in NOTEBOOKS} == RECORDINGS.keys()
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_stored_without_outputs(path: Path) -> None:
+    cells = nbformat.read(path, as_version=4).cells
+    assert not any(cell.get("outputs") or cell.get("execution_count") for cell in cells)
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs(path: Path) -> None:
     notebook = nbformat.read(path, as_version=4)
-    assert not any(cell.get("outputs") for cell in notebook.cells)
     client = NotebookClient(notebook, timeout=60, kernel_name="python3",
                             resources={"metadata": {"path": FOLDER}})  # fmt: skip
     client.execute()
-    pictures = [
-        output
-        for cell in notebook.cells
-        for output in cell.get("outputs", ())
-        if "image/png" in output.get("data", {})
-    ]
+    pictures = list(_shown(notebook, "image/png"))
     assert pictures
+    assert all(len(picture) > BLANK_PICTURE for picture in pictures)
+    frames = [page for page in _shown(notebook, "text/html") if page.startswith("<iframe srcdoc=")]
+    assert len(frames) == RECORDINGS[path.stem]
+    assert all("keypush-time" in page for page in frames)
+
+
+def _shown(notebook: nbformat.NotebookNode, kind: str) -> Iterator[str]:
+    for cell in notebook.cells:
+        for output in cell.get("outputs", ()):
+            if kind in output.get("data", {}):
+                yield output["data"][kind]
