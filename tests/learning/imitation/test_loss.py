@@ -35,7 +35,10 @@ def _check_gradient(module: EpochModule, batch: object) -> None:
     trained: list[torch.Tensor] = [
         weight for weight in module.network.parameters() if weight.requires_grad
     ]
-    direction = [torch.randn_like(weight) for weight in trained]
+    rng = torch.Generator().manual_seed(1)
+    direction = [
+        torch.randn(weight.shape, generator=rng, dtype=weight.dtype) for weight in trained
+    ]
     loss, _ = module.loss(batch)
     gradient = torch.autograd.grad(loss, trained)
     derivative = float(sum((g * d).sum() for g, d in zip(gradient, direction, strict=True)))
@@ -55,9 +58,11 @@ def _check_gradient(module: EpochModule, batch: object) -> None:
 def test_gradients_of_the_heads(kind: str, tmp_path: Path) -> None:
     module = _module(kind, tmp_path)
     module.double()
-    tokens = torch.randn(16, 17, 128, dtype=torch.float64)
-    query = torch.rand(16, 5, dtype=torch.float64)
-    target = torch.rand(16, module.examples.target.shape[1], dtype=torch.float64)
+    rng = torch.Generator().manual_seed(0)
+    tokens = torch.randn(16, 17, 128, generator=rng, dtype=torch.float64)
+    query = torch.rand(16, 5, generator=rng, dtype=torch.float64)
+    width = module.examples.target.shape[1]
+    target = torch.rand(16, width, generator=rng, dtype=torch.float64)
     _check_gradient(module, (tokens, query, target))
     output = module.head(tokens, query)
     assert float(module.loss((tokens, query, target))[0].detach()) == pytest.approx(
