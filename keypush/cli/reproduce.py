@@ -14,8 +14,8 @@ from keypush.cli.parallel_options import WorkerOptions, check_positive
 class Reproduce(WorkerOptions):
     """Run the thesis' policies and ours under its conditions, and write its tables anew.
 
-    Writes OUT/tables.md and OUT/summary.json, with OUT/records.parquet of all episodes and an
-    evaluation in OUT/POLICY for each policy; a stopped run goes on. See docs/evaluation.md.
+    Writes OUT/tables.md and OUT/summary.json, with OUT/records.parquet of all episodes and the
+    records of OUT/POLICY/CONDITION; a stopped run goes on. See docs/evaluation.md.
     """
 
     scale: Literal["quick", "full"]

@@ -165,8 +165,8 @@ def _contradiction(
     what = ", ".join(str(columns[key][row]) for key in ("driver", "object", "condition"))
     return UserError(
         f"{columns[RUN][row]}: {name} of episode {columns['episode'][row]}, seed "
-        f"{columns['seed'][row]} ({what}) is {columns[name][row]} here and "
-        f"{columns[name][other]} in {columns[RUN][other]}; allowed: the same record, counted once"
+        f"{columns['seed'][row]} ({what}) is {columns[name][row]!s} here and "
+        f"{columns[name][other]!s} in {columns[RUN][other]}; allowed: the same record, counted once"
     )
 
 

@@ -39,7 +39,7 @@ class Plan:
         return (len(self.objects) * len(self.sizes) + len(self.shifted)) * self.episodes
 
     def jobs(self, policy: str) -> list[Job]:
-        """Returns the jobs of a policy, one for each condition.
+        """Returns the jobs of a policy, one for each condition, what tells most first.
 
         Raises:
             UserError: its weights do not ship.
@@ -51,9 +51,9 @@ class Plan:
             episodes=self.episodes,
             provenance=provenance(scenario, self.objects),
         )
-        sizes = [replace(job, scenario=s) for s in grid(scenario, {"sizes": self.sizes})]
+        first, *sizes = [replace(job, scenario=s) for s in grid(scenario, {"sizes": self.sizes})]
         (heavy,) = grid(scenario, {"com-shifts": [COM_SHIFT]})
-        return [*sizes, replace(job, scenario=heavy, objects=self.shifted)]
+        return [first, replace(job, scenario=heavy, objects=self.shifted), *sizes]
 
 
 PLANS: Mapping[str, Plan] = {

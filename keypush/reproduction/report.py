@@ -46,11 +46,11 @@ class Reproduction:
 
     plan: Plan
     policies: Sequence[str]
-    """Those that are finished."""
+    """In the order of the tables."""
     left: Sequence[str]
-    """Those that are still to run."""
+    """Evaluations that are still to run, as POLICY/CONDITION."""
     records: pa.Table
-    """Of all finished policies."""
+    """Of all finished evaluations."""
     sessions: Mapping[str, Sequence[Session]]
     """By policy."""
     ablation: str | None
@@ -109,7 +109,7 @@ def _introduction(found: Reproduction, results: Results) -> str:
         + ("" if len(mine) == len(catalogue_names(group)) else f" ({', '.join(mine)})")
         for group, mine in names.items()
     )
-    left = f" Still to run: {', '.join(found.left)}." if found.left else ""
+    left = f" {_left(found.left)} still to run." if found.left else ""
     return f"""# The thesis' tables, run anew
 
 {results.episodes} episodes: {plan.episodes} of every object and condition, the same ones for every
@@ -117,6 +117,10 @@ policy (scenario seed {EVALUATION_SEEDS}, episodes 0 to {plan.episodes - 1}). Ob
 
 "thesis" is its figure, "ours" our success rate with its 95 % Wilson interval in %, the difference
 is in percentage points, N the number of our episodes. The thesis has three of the policies."""
+
+
+def _left(names: Sequence[str]) -> str:
+    return f"{names[0]} is" if len(names) == 1 else f"{len(names)} evaluations are"
 
 
 def _sections(results: Results, plan: Plan) -> list[_Section]:

@@ -28,10 +28,22 @@ def table_from_summaries(summaries: Sequence[Mapping[str, object]]) -> pa.Table:
     return pa.Table.from_pylist([dict(summary) for summary in summaries])
 
 
-def parquet_bytes(table: pa.Table) -> bytes:
-    """Returns a Parquet file with checksums; the same table gives the same bytes."""
+def parquet_bytes(table: pa.Table, distinct: Sequence[str] = ()) -> bytes:
+    """Returns a Parquet file with checksums; the same table gives the same bytes.
+
+    Args:
+        table: the content.
+        distinct: columns of floats that hardly repeat: a dictionary would make them larger.
+    """
     sink = pa.BufferOutputStream()
-    pq.write_table(table, sink, compression="zstd", write_page_checksum=True)
+    pq.write_table(
+        table,
+        sink,
+        compression="zstd",
+        write_page_checksum=True,
+        use_dictionary=[name for name in table.column_names if name not in distinct],
+        use_byte_stream_split=list(distinct),
+    )
     return bytes(sink.getvalue().to_pybytes())
 
 

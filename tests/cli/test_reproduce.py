@@ -1,43 +1,75 @@
 """`keypush reproduce`: a small plan from its start to its tables, stopped and gone on with."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import pyarrow as pa
 import pytest
 
 from keypush.cli.main import main
-from keypush.evaluation.records import read_records
+from keypush.errors import UserError
+from keypush.evaluation.records import read_records, write_records
 from keypush.reproduction.plan import Plan
 from keypush.reproduction.reproduce import reproduce
 
 PLAN = Plan(objects=("can_2",), sizes=(0.75,), shifted=("block",), episodes=1)
 
 
+SIZE, SHIFT = "size_0.75-shift_0-noise_0.005", "size_1-shift_0.015-noise_0.005"
+
+
+def _run(out: Path) -> pa.Table:
+    return reproduce(PLAN, ["geometric"], out, workers=1).records
+
+
 def test_a_small_plan_from_its_start_to_its_tables(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    reproduce(PLAN, ["geometric"], tmp_path, workers=1)
+    records = _run(tmp_path)
     assert "2 of 2 episodes to run for geometric: about 2 s" in capsys.readouterr().err
-    assert {path.name for path in tmp_path.iterdir()} == {
-        "geometric", "records.parquet", "summary.json", "tables.md",
+    assert {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()} == {
+        "records.parquet", "summary.json", "tables.md",
+        *(
+            f"geometric/{condition}/{file}"
+            for condition in (SIZE, SHIFT)
+            for file in (
+                "job.yaml", "records.parquet", "scenario.yaml", "summary.json", "timing.json"
+            )
+        ),
     }  # fmt: skip
-    records = read_records(tmp_path / "records.parquet")
-    for record in records.to_pylist():
-        file = f"{record['object']}-000000.parquet"
-        assert (tmp_path / record["folder"] / "episodes" / file).exists()
-    assert {path.name for path in (tmp_path / "geometric").iterdir()} == {
-        "conditions", "records.parquet", "summary.json", "timing.json",
-    }  # fmt: skip
-    text = (tmp_path / "tables.md").read_text()
-    assert "| block, shifted | geometric | - |" in text
-
-    missing = "conditions/size_0.75-shift_0-noise_0.005/episodes/can_2-000000.parquet"
-    (tmp_path / "geometric" / missing).unlink()
-    reproduce(PLAN, ["geometric"], tmp_path, workers=1)
-    assert "1 of 2 episodes to run" in capsys.readouterr().err
+    assert records["folder"].to_pylist() == [f"geometric/{SIZE}", f"geometric/{SHIFT}"]
     assert read_records(tmp_path / "records.parquet").equals(records)
-    timing = json.loads((tmp_path / "geometric" / "timing.json").read_text())
-    assert [session["episodes"] for session in timing["sessions"]] == [2, 1]
+    assert "| block, shifted | geometric | - |" in (tmp_path / "tables.md").read_text()
+
+
+def test_finished_parts_stay_and_others_are_run_again(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    records, tables = _run(tmp_path), (tmp_path / "tables.md").read_text()
+    part = tmp_path / "geometric" / SHIFT
+    (part / "records.parquet").unlink()
+    (tmp_path / "tables.md").unlink()
+    kept = (tmp_path / "geometric" / SIZE / "records.parquet").stat().st_mtime_ns
+    capsys.readouterr()
+    assert _run(tmp_path).equals(records)
+    assert "1 of 2 episodes to run" in capsys.readouterr().err
+    assert (tmp_path / "geometric" / SIZE / "records.parquet").stat().st_mtime_ns == kept
+    timing = json.loads((part / "timing.json").read_text())
+    assert [session["episodes"] for session in timing["sessions"]] == [1, 1]
+    until_speed = tables.index("## Speed")
+    assert (tmp_path / "tables.md").read_text()[:until_speed] == tables[:until_speed]
+
+
+def test_records_of_another_plan_are_refused(tmp_path: Path) -> None:
+    _run(tmp_path)
+    more = replace(PLAN, episodes=2)
+    with pytest.raises(UserError, match=r"job\.yaml: episodes is 1 there and 2 now"):
+        reproduce(more, ["geometric"], tmp_path, workers=1)
+    path = tmp_path / "geometric" / SIZE / "records.parquet"
+    write_records(read_records(path).slice(0, 0), path)
+    with pytest.raises(UserError, match=r"records\.parquet: has 0 episodes; allowed: the 1"):
+        _run(tmp_path)
 
 
 def test_weights_that_do_not_ship_are_named_before_anything_runs(

@@ -58,8 +58,9 @@ def test_records_have_every_episode_and_find_it_again(several: Path) -> None:
             several / record["folder"] / "rows" / f"{record['object']}-000000.parquet"
         )
         mine = [row for row in rows.to_pylist() if row["episode"] == record["episode"]]
-        assert mine[0]["object_pose"][4:6] == [record["start_x"], record["start_y"]]
-        assert mine[0]["goal"] == [record["goal_x"], record["goal_y"]]
+        start, goal = ([record[f"{what}_{axis}"] for axis in "xy"] for what in ("start", "goal"))
+        assert mine[0]["object_pose"][4:6] == pytest.approx(start, abs=1e-7)
+        assert mine[0]["goal"] == pytest.approx(goal, abs=1e-7)
         assert mine[-1]["object_pose"][4] == pytest.approx(record["final_x"], abs=1e-3)
 
 

@@ -47,7 +47,7 @@ def written(tmp_path: Path) -> Path:
     found = Reproduction(
         plan=PLAN,
         policies=policies,
-        left=["surface"],
+        left=["surface/size_1-shift_0-noise_0.005"],
         records=pa.Table.from_pylist(rows, schema=RECORDS),
         sessions={"keypoint": [Session(episodes=60, seconds=30.0, workers=2)], "expert": []},
         ablation=None,
@@ -86,7 +86,7 @@ def test_tables_have_the_thesis_figures_ours_interval_difference_and_number(writ
 
 def test_what_is_missing_is_said(written: Path) -> None:
     text = (written / "tables.md").read_text()
-    assert "Still to run: surface." in text
+    assert " surface/size_1-shift_0-noise_0.005 is still to run." in text
     assert "2 of 16 `train` (block, mug); 1 of 6 `id` (can_2)" in text
     assert "Not run. `keypush ablate " in text
 

@@ -31,7 +31,8 @@ def bytes_of(folder: Path) -> dict[str, bytes]:
 def finished_episodes(folder: Path) -> int:
     """How many episodes a job's folder holds, in blocks and single ones.
 
-    A kill between the writing of a block and the removal of its pieces leaves both: those episodes count once.
+    A stop between the writing of a block and the removal of its pieces leaves both: those episodes
+    count once.
     """
     files = [*(folder / "episodes").glob("*.parquet")]
     files += (folder / "unfinished" / "episodes").glob("*.parquet")

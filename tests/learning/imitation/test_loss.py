@@ -36,9 +36,7 @@ def _check_gradient(module: EpochModule, batch: object) -> None:
         weight for weight in module.network.parameters() if weight.requires_grad
     ]
     rng = torch.Generator().manual_seed(1)
-    direction = [
-        torch.randn(weight.shape, generator=rng, dtype=weight.dtype) for weight in trained
-    ]
+    direction = [torch.randn(weight.shape, generator=rng, dtype=weight.dtype) for weight in trained]
     loss, _ = module.loss(batch)
     gradient = torch.autograd.grad(loss, trained)
     derivative = float(sum((g * d).sum() for g, d in zip(gradient, direction, strict=True)))

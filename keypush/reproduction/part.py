@@ -1,0 +1,94 @@
+"""A part of a reproduction: one policy under one condition, in a folder of its own."""
+
+import shutil
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import pyarrow as pa
+
+from keypush.errors import UserError
+from keypush.evaluation.conditions import condition_name
+from keypush.evaluation.evaluate import (
+    collect_records,
+    evaluation_report,
+    run_conditions,
+    write_report,
+)
+from keypush.evaluation.records import RECORDS_FILE, read_records
+from keypush.reproduction.plan import Plan
+from keypush.reproduction.throughput import finished_episodes, timed
+from keypush.rollout.job import Job
+from keypush.rollout.make_engine import EngineName
+from keypush.rollout.store import compare_description
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """One policy under one condition."""
+
+    job: Job
+    folder: Path
+    """Its evaluation; once that is finished, without the rows of its episodes."""
+    name: str
+    """Of the folder, relative to the reproduction's."""
+
+    @property
+    def policy(self) -> str:
+        """Who drives."""
+        return self.job.scenario.policy
+
+    @property
+    def finished(self) -> bool:
+        """Whether its records stand."""
+        return (self.folder / RECORDS_FILE).exists()
+
+    @property
+    def left(self) -> int:
+        """Number of episodes that are still to run."""
+        return 0 if self.finished else self.job.total - finished_episodes([self.job], self.folder)
+
+    def run(self, *, workers: int, engine: EngineName) -> pa.Table:
+        """Runs what is missing; keeps the records and drops the rows, which nothing else needs.
+
+        Returns:
+            The records, their folder relative to that of the reproduction.
+
+        Raises:
+            UserError: see `evaluate`, or its records are not those of this job.
+            RuntimeError: an episode raised.
+        """
+        if self.finished:
+            compare_description(self.job, self.folder)
+        else:
+            self._evaluate(workers, engine)
+        for kind in ("rows", "episodes"):
+            shutil.rmtree(self.folder / kind, ignore_errors=True)
+        records = read_records(self.folder / RECORDS_FILE)
+        if len(records) != self.job.total:
+            raise UserError(
+                f"{self.folder / RECORDS_FILE}: has {len(records)} episodes; "
+                f"allowed: the {self.job.total} of this plan"
+            )
+        place = records.schema.get_field_index("folder")
+        names = pa.array([self.name] * len(records))
+        return records.set_column(place, records.schema.field(place), names)
+
+    def _evaluate(self, workers: int, engine: EngineName) -> None:
+        self.folder.mkdir(parents=True, exist_ok=True)
+        with timed([self.job], self.folder, workers):
+            run_conditions([self.job], self.folder, workers=workers, engine=engine)
+        records = collect_records([self.job], self.folder)
+        write_report(evaluation_report(self.job.scenario, [self.job], records), self.folder)
+
+
+def parts(plan: Plan, policies: Sequence[str], out: Path) -> Iterator[Part]:
+    """Yields the parts in the order in which they run: a condition with every policy, the next.
+
+    Raises:
+        UserError: weights do not ship.
+    """
+    for jobs in zip(*(plan.jobs(policy) for policy in policies), strict=True):
+        for job in jobs:
+            name = f"{job.scenario.policy}/{condition_name(job.scenario)}"
+            yield Part(job=job, folder=out / name, name=name)
