@@ -3,7 +3,8 @@
     scripts/uv.sh run scripts/report_expert.py RUNS
 
 `docs/expert.md` holds the words; what lies between its markers is replaced. The episodes go to
-`docs/results/expert.parquet`, so that every figure can be computed again.
+`docs/results/expert.parquet`, so that every figure can be computed again; conditions that RUNS
+lacks are taken from there.
 """
 
 import re
@@ -23,6 +24,7 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 
 DOCS = Path(__file__).parent.parent / "docs"
+RECORDS = DOCS / "results" / "expert.parquet"
 _COLUMNS = ["object", "size_ratio", "seed", "episode", "success", "settled_success", "outcome",
             "steps", "redrawn", "com_capped"]  # fmt: skip
 _EVERYWHERE = ("tuned", "size_0.75", "size_1.25", "com_shift", "reset", "thesis")
@@ -38,6 +40,14 @@ def read_runs(runs: Path) -> dict[str, Episodes]:
         tables = [pq.read_table(file) for file in sorted((folder / "episodes").glob("*.parquet"))]
         if tables:
             found[folder.name] = pa.concat_tables(tables).select(_COLUMNS).to_pylist()
+    return found
+
+
+def read_records() -> dict[str, Episodes]:
+    """Reads the episodes that were reported before, by condition."""
+    found: dict[str, Episodes] = {}
+    for episode in pq.read_table(RECORDS).to_pylist():
+        found.setdefault(episode.pop("condition"), []).append(episode)
     return found
 
 
@@ -147,7 +157,7 @@ def _replace(text: str, marker: str, content: str) -> str:
 
 def main() -> None:
     """Replaces tables, plots and records."""
-    runs = read_runs(Path(sys.argv[1]))
+    runs = read_records() | read_runs(Path(sys.argv[1]))
     everywhere = [name for name in _EVERYWHERE if name in runs]
     fields = sorted(name for name in runs if name.startswith(_ONE_FIELD))
     page = DOCS / "expert.md"
@@ -161,9 +171,7 @@ def main() -> None:
     draw(runs, [*everywhere, *fields], DOCS / "expert.png")
     kept = [*everywhere, *fields, *(["discrete"] if "discrete" in runs else [])]
     rows = [{"condition": name, **e} for name in kept for e in runs[name]]
-    pq.write_table(
-        pa.Table.from_pylist(rows), DOCS / "results" / "expert.parquet", compression="zstd"
-    )
+    pq.write_table(pa.Table.from_pylist(rows), RECORDS, compression="zstd")
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from keypush.errors import UserError
 from keypush.learning.config import TrainingConfig
 from keypush.learning.imitation.config import ImitationConfig
 
+_SHIPPED_ENCODER = "contact"
 Network = Literal["surface_keypoint", "keypoint", "behavior_cloning"]
 
 
@@ -31,7 +32,8 @@ class Train:
     out: Path
     """Folder for the weights."""
     encoder: str | None = None
-    """keypoint and behavior_cloning: weights of the kind contact, by name or path."""
+    """keypoint and behavior_cloning: weights of the kind contact, by name or path; by default those
+    that ship."""
     preset: Literal["affordable", "thesis"] = "affordable"
     """keypoint and behavior_cloning: the thesis' own settings or those that take minutes; fields of
     --head that are given go before."""
@@ -73,10 +75,6 @@ class Train:
                 f"--network is {self.network}, which takes no {', '.join(foreign)}; allowed: "
                 f"{'--surface' if self._is_surface else '--encoder, --preset, --head'}"
             )
-        if not self._is_surface and self.encoder is None:
-            raise UserError(
-                "--encoder is missing; allowed: weights that `keypush pretrain` wrote, by path"
-            )
 
     def _train_surface(self, out: Path) -> dict[str, Any]:
         self.surface.validate()
@@ -91,8 +89,8 @@ class Train:
         config.validate()
         from keypush.learning.imitation.train import train_imitation
 
-        assert self.encoder is not None
-        return train_imitation(self.network, self.data, out, self.encoder, config, _tell)
+        encoder = self.encoder or _SHIPPED_ENCODER
+        return train_imitation(self.network, self.data, out, encoder, config, _tell)
 
 
 def _tell(line: str) -> None:

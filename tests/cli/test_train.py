@@ -12,6 +12,7 @@ import torch
 from safetensors.torch import load_file
 
 from keypush.cli.main import main
+from keypush.learning.card import weights_dir
 from tests.cli.command import KEYPUSH
 from tests.learning.imitation.sample import SAMPLE, write_encoder
 
@@ -42,10 +43,19 @@ def test_a_head_is_trained_and_its_cache_told(
     assert card["action_clips"] == {"translation": 0.06, "rotation": 0.1}
 
 
+def test_heads_stand_on_the_encoder_that_ships(tmp_path: Path) -> None:
+    small = ["--head.epochs", "1", "--head.rows-per-object", "16", "--head.clouds-per-object", "2",
+             "--head.batch", "64"]  # fmt: skip
+    out = tmp_path / "o"
+    arguments = ["train", "--network", "keypoint", "--data", str(SAMPLE), "--out", str(out)]
+    assert main([*arguments, *small]) == 0
+    shipped = weights_dir() / "contact.safetensors"
+    assert (out / "contact.safetensors").read_bytes() == shipped.read_bytes()
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--network", "keypoint"], "--encoder is missing; allowed: weights"),
         (["--encoder", "x"], "surface_keypoint, which takes no --encoder; allowed: --surface"),
         (["--preset", "thesis"], "which takes no --preset; allowed: --surface"),
         (["--head.epochs", "1"], "which takes no --head; allowed: --surface"),
