@@ -44,9 +44,7 @@ def train(data: Path, encoder: str, out: Path, rows: int) -> Path:
     weights = out / "keypoint.safetensors"
     if not weights.exists():
         print(f"{rows or 'all'} rows of every object", flush=True)
-        train_imitation(
-            "keypoint", data, out, encoder, ImitationConfig(rows_per_object=rows), print
-        )
+        train_imitation("keypoint", data, out, encoder, settings(data, rows), print)
         shutil.rmtree(out / "cache")
     return weights
 
