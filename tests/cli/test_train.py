@@ -12,7 +12,7 @@ import torch
 from safetensors.torch import load_file
 
 from keypush.cli.main import main
-from keypush.learning.card import weights_dir
+from keypush.resources import weights_dir
 from tests.cli.command import KEYPUSH
 from tests.learning.imitation.sample import SAMPLE, write_encoder
 
