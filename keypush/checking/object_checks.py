@@ -94,7 +94,7 @@ def _support(model: ObjectModel, poses: Sequence[RestingPose]) -> Check:
     """The worst over all stable poses."""
     seen = model.visual if model.visual.is_watertight else model.mesh
     gap = max(pose_support_gap(model.mesh, seen, pose) for pose in poses)
-    text = f"support polygon short of the true one in {len(poses)} stable poses, m"
+    text = f"support polygon short of the true one, the worst of stable poses ({len(poses)}), m"
     return Check(gap < MOST_SUPPORT_GAP, gap, MOST_SUPPORT_GAP, text)
 
 

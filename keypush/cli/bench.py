@@ -22,8 +22,9 @@ class Bench(ScenarioOptions):
 
     after_interrupt: ClassVar[str] = "nothing was measured"
 
-    what: tyro.conf.Positional[Literal["sim", "variation", "predictor", "train"]]
-    """sim: speed and final poses of the whole stack, beside its reference and MuJoCo. variation:
+    what: tyro.conf.Positional[Literal["sim", "policies", "variation", "predictor", "train"]]
+    """sim: speed and final poses of the whole stack, beside its reference and MuJoCo. policies: CPU
+    time of an episode with every policy, and the shares of physics, network and Python. variation:
     time per reset when the object's mass, friction or size differs in every episode. predictor:
     time of an answer of every learned policy's network, and its distance from PyTorch's. train: how
     fast the thesis' head trains on cached tokens, beside the way one would write it down; on
@@ -51,6 +52,7 @@ class Bench(ScenarioOptions):
         else:
             measure = {
                 "sim": _measure_simulation,
+                "policies": _measure_policies,
                 "variation": _measure_variation,
                 "predictor": _measure_predictors,
             }[self.what]
@@ -69,6 +71,16 @@ def _measure_simulation(
 
     report = summarise_tracks(scenario, measure_objects(scenario, objects, episodes))
     return report, report_table(report)
+
+
+def _measure_policies(
+    scenario: "Scenario", objects: list[str], episodes: int
+) -> tuple[dict[str, Any], "Table"]:
+    from keypush.bench.policy_time import measure_policies, policies_table, summarise_policies
+
+    policies = measure_policies(scenario, objects, episodes)
+    report = summarise_policies(policies, len(objects) * episodes)
+    return report, policies_table(report)
 
 
 def _measure_variation(

@@ -69,10 +69,11 @@ def tell_object(asset: ObjectAsset) -> list[str]:
     """Tells about an object in a few lines."""
     figures = _describe(asset)
     x, y, z = (100 * extent for extent in figures["size"])
-    com = ", ".join(f"{1000 * value:.1f}" for value in asset.p_OoOcm_O)
+    com = ", ".join(f"{1000 * value:z.1f}" for value in asset.p_OoOcm_O)
     kind = _SPLITS[figures["split"]]
     touching = f"{figures['faces_touching']} faces touch, {figures['faces_seen']} are seen"
-    stands = f"It stands in {figures['stable_poses']} ways"
+    poses = figures["stable_poses"]
+    stands = f"It stands in {poses} way{'s' if poses > 1 else ''}"
     return [
         f"{asset.name}, {kind}: {x:.1f} x {y:.1f} x {z:.1f} cm, {1000 * asset.mass:.0f} g.",
         f"{touching}; centre of mass at ({com}) mm from the middle.",
