@@ -9,12 +9,7 @@ import pyarrow as pa
 
 from keypush.errors import UserError
 from keypush.evaluation.conditions import condition_name
-from keypush.evaluation.evaluate import (
-    collect_records,
-    evaluation_report,
-    run_conditions,
-    write_report,
-)
+from keypush.evaluation.evaluate import collect_records, run_conditions
 from keypush.evaluation.records import RECORDS_FILE, read_records
 from keypush.reproduction.plan import Plan
 from keypush.reproduction.throughput import finished_episodes, timed
@@ -29,7 +24,7 @@ class Part:
 
     job: Job
     folder: Path
-    """Its evaluation; once that is finished, without the rows of its episodes."""
+    """Of an evaluation; once that is finished its records and what was run."""
     name: str
     """Of the folder, relative to the reproduction's."""
 
@@ -78,8 +73,7 @@ class Part:
         self.folder.mkdir(parents=True, exist_ok=True)
         with timed([self.job], self.folder, workers):
             run_conditions([self.job], self.folder, workers=workers, engine=engine)
-        records = collect_records([self.job], self.folder)
-        write_report(evaluation_report(self.job.scenario, [self.job], records), self.folder)
+        collect_records([self.job], self.folder)
 
 
 def parts(plan: Plan, policies: Sequence[str], out: Path) -> Iterator[Part]:

@@ -33,9 +33,7 @@ def test_a_small_plan_from_its_start_to_its_tables(
         *(
             f"geometric/{condition}/{file}"
             for condition in (SIZE, SHIFT)
-            for file in (
-                "job.yaml", "records.parquet", "scenario.yaml", "summary.json", "timing.json"
-            )
+            for file in ("job.yaml", "records.parquet", "scenario.yaml", "timing.json")
         ),
     }  # fmt: skip
     assert records["folder"].to_pylist() == [f"geometric/{SIZE}", f"geometric/{SHIFT}"]
