@@ -12,7 +12,7 @@ from keypush.control.arm_kinematics import ArmKinematics
 from keypush.learning.model import ActionModel, KeypointModel, PolicyModel
 from keypush.objects.library import make_object
 from keypush.objects.model import ObjectModel
-from keypush.policies import POLICIES
+from keypush.policies import find_policy
 from keypush.scenario import Scenario
 from keypush.seeding import make_generator
 from keypush.systems.behavior_cloning_policy import BehaviorCloningPolicy
@@ -111,7 +111,7 @@ def add_policy(
         planner = _add_expert(builder, station, model, goal, scenario)
     else:
         assert policy_model is not None, f"policy {scenario.policy} needs a model"
-        if POLICIES[scenario.policy].acts:
+        if find_policy(scenario.policy).acts:
             planner = _add_behavior_cloning(builder, station, goal, scenario, policy_model)
         else:
             predictor, planner = _add_keypoint_policy(

@@ -1,7 +1,8 @@
-"""Who may drive the tool: every policy by its name."""
+"""Who may drive the tool: every policy by its name, and those that are somebody's own."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import PurePath
 
 SHIPPED = "auto"
 """Stands for the weights that ship with keypush under the policy's own name."""
@@ -64,6 +65,33 @@ POLICIES: Mapping[str, Policy] = {
         description="no learning: the keypoint is the centroid of the noisy cloud",
     ),
 }
+
+
+OWN_POLICY = "FILE.py:NAME, MODULE:NAME"
+"""Forms of the name of a policy from outside the package."""
+_OWN = Policy(description="a keypoint model of your own, which is no part of keypush")
+
+
+def is_own_policy(name: str) -> bool:
+    """Whether a name is one of `OWN_POLICY`; that what it names exists is not looked at."""
+    source, _, made = name.rpartition(":")
+    is_source = source.endswith(".py") or all(part.isidentifier() for part in source.split("."))
+    return is_source and made.isidentifier()
+
+
+def find_policy(name: str) -> Policy:
+    """Returns what is to be known of a policy, one of the list or somebody's own.
+
+    Raises:
+        KeyError: there is no such policy.
+    """
+    return _OWN if is_own_policy(name) else POLICIES[name]
+
+
+def policy_label(name: str) -> str:
+    """Returns what a policy is called in results: its name, without the folder of its file."""
+    source, colon, made = name.rpartition(":")
+    return f"{PurePath(source).name}{colon}{made}"
 
 
 def weights_name(policy: str, given: str) -> str:

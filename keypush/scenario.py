@@ -13,7 +13,7 @@ import yaml
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
 from keypush.errors import UserError, one_line
-from keypush.policies import POLICIES, SHIPPED
+from keypush.policies import OWN_POLICY, POLICIES, SHIPPED, is_own_policy
 from keypush.scenario_check import check_values, check_yaml
 
 INTEGRATORS = ("cenic", "discrete")
@@ -261,7 +261,10 @@ class Scenario:
 
     seed: int = field(default=0, metadata={"range": (0, 2**53)})
     """Root of every random draw."""
-    policy: str = _choice("surface_no_com", tuple(POLICIES))
+    policy: str = field(
+        default="surface_no_com",
+        metadata={"allowed": tuple(POLICIES), "form": (is_own_policy, OWN_POLICY)},
+    )
     """Who drives the tool; see `keypush/policies.py`."""
     object: ObjectConfig = field(default_factory=ObjectConfig)
     variation: VariationConfig = field(default_factory=VariationConfig)

@@ -2,7 +2,7 @@
 
 `check_yaml` looks at parsed YAML before Drake reads it: Drake's own messages do not say which
 field they are about. `check_values` looks at the ranges and choices that the fields' metadata
-(`range`, `length`, `ordered`, `allowed`) gives.
+(`range`, `length`, `ordered`, `allowed`, `form`) gives.
 """
 
 import dataclasses
@@ -66,8 +66,14 @@ def check_values(config: Any, prefix: str = "") -> None:
             check_values(value, f"{name}.")
         elif "range" in spec.metadata and value is not None:
             _check_range(name, value, spec.metadata)
-        elif "allowed" in spec.metadata and value not in spec.metadata["allowed"]:
+        elif "allowed" in spec.metadata and not _is_allowed(value, spec.metadata):
             raise UserError(f"{name} is {value!r}; allowed: {_allowed(spec)}")
+
+
+def _is_allowed(value: Any, metadata: Mapping[str, Any]) -> bool:
+    """Whether it is one of the words, or else of the form that is allowed too."""
+    has_form = metadata["form"][0] if "form" in metadata else lambda _value: False
+    return value in metadata["allowed"] or has_form(value)
 
 
 def _check_range(name: str, value: Any, metadata: Mapping[str, Any]) -> None:
@@ -109,7 +115,7 @@ def _is_number(value: object, kind: type[int] | type[float]) -> bool:
 
 def _allowed(spec: "dataclasses.Field[Any]") -> str:
     if "allowed" in spec.metadata:
-        return ", ".join(spec.metadata["allowed"])
+        return ", ".join([*spec.metadata["allowed"], *spec.metadata.get("form", ())[1:]])
     if "range" not in spec.metadata:
         return _ALLOWED.get(typing.cast("type", spec.type), "a list of two numbers, or null")
     length = spec.metadata.get("length")

@@ -63,6 +63,8 @@ class Evaluate(ScenarioOptions, ParallelOptions):
         report = evaluation_report(scenario, jobs, records)
         path = write_report(report, out)
         _print_tables(report)
+        for reason, number in report.get("reasons", {}).items():
+            print(f"policy failed in {number} {'episode' if number == 1 else 'episodes'}: {reason}")
         print(f"written: {path}")
         if self.record_failures:
             from keypush.evaluation.failures import record_failures

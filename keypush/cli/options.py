@@ -8,7 +8,7 @@ import tyro
 import yaml
 
 from keypush.errors import UserError
-from keypush.policies import POLICIES
+from keypush.policies import OWN_POLICY, POLICIES
 
 if TYPE_CHECKING:
     from keypush.scenario import Scenario
@@ -19,7 +19,7 @@ Policy = Annotated[
         metavar="POLICY",
         help="Who drives the tool. "
         + "; ".join(f"{name}: {policy.description}" for name, policy in POLICIES.items())
-        + ".",
+        + f"; {OWN_POLICY}: a keypoint model of your own, a class or function of a Python file.",
     ),
 ]
 """The option `--policy`; the scenario checks its value."""

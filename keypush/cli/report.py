@@ -32,13 +32,15 @@ class Report:
         """Runs the verb."""
         if not self.runs:
             raise UserError("no RUN is given; allowed: one or more folders of evaluations")
+        from keypush.reporting.differences import find_differences
         from keypush.reporting.episodes import gather_episodes
         from keypush.reporting.markdown import render_markdown
         from keypush.reporting.page import render_page
         from keypush.reporting.report import build_report
         from keypush.reporting.runs import find_recordings, read_runs
 
-        report = build_report(gather_episodes(read_runs(self.runs)))
+        table = read_runs(self.runs)
+        report = build_report(gather_episodes(table), find_differences(table))
         write_output(self.out, render_page(report, find_recordings(self.runs, self.out)))
         print(f"written: {self.out}")
         if self.markdown is not None:

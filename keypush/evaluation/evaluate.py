@@ -14,6 +14,7 @@ from keypush.evaluation.conditions import AXES, condition_name
 from keypush.evaluation.measures import job_records
 from keypush.evaluation.records import RECORDS_FILE, read_records, write_records
 from keypush.evaluation.summary import Summary, summarise, summarise_group
+from keypush.policies import policy_label
 from keypush.rollout.job import Job
 from keypush.rollout.make_engine import EngineName
 from keypush.rollout.parallel import run_jobs
@@ -95,7 +96,7 @@ def evaluation_report(scenario: Scenario, jobs: Sequence[Job], records: pa.Table
     episodes = records.to_pylist()
     sets = dict.fromkeys(episode["set"] for episode in episodes)
     return {
-        "policy": scenario.policy,
+        "policy": policy_label(scenario.policy),
         "weights": episodes[0]["weights"],
         "seed": scenario.seed,
         **summarise(episodes),

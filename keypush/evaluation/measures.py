@@ -13,7 +13,7 @@ from keypush.learning.policy_model import policy_weights
 from keypush.objects.catalogue import catalogue
 from keypush.objects.library import USER_GROUP
 from keypush.planning.plan_state import Stage
-from keypush.policies import POLICIES
+from keypush.policies import find_policy
 from keypush.rollout.job import Block, Job
 from keypush.scenario import Scenario
 
@@ -78,16 +78,20 @@ def _block_records(
     file = f"{block.name}.parquet"
     table = pq.read_table(folder / "rows" / file, columns=_COLUMNS)
     columns = {name: to_array(table[name]) for name in _COLUMNS}
-    summaries = pq.read_table(folder / "episodes" / file, columns=[*_TOLD, "final_position"])
-    for told in summaries.to_pylist():
+    summaries = pq.read_table(folder / "episodes" / file)
+    # Only who may fail has a column for the reason.
+    wanted = [name for name in (*_TOLD, "reason") if name in summaries.column_names]
+    for told in summaries.select([*wanted, "final_position"]).to_pylist():
         mine = columns["episode"] == told["episode"]
         x, y, _ = told.pop("final_position")
         measured = measure_rows({name: column[mine] for name, column in columns.items()})
-        yield {**shared, **told, "set": _set(block.object), **measured, "final_x": x, "final_y": y}
+        known = {**shared, **told, "set": _set(block.object)}
+        yield {**known, **measured, "final_x": x, "final_y": y}
 
 
 def _shared(scenario: Scenario, folder: str) -> dict[str, Any]:
     return {
+        "reason": "",
         "weights": _weights_file(scenario),
         "com_shift": scenario.variation.com_shift,
         "cloud_deviation": scenario.noise.cloud_deviation,
@@ -97,7 +101,7 @@ def _shared(scenario: Scenario, folder: str) -> dict[str, Any]:
 
 
 def _weights_file(scenario: Scenario) -> str:
-    if POLICIES[scenario.policy].weights_kind is None:
+    if find_policy(scenario.policy).weights_kind is None:
         return ""
     path, _ = policy_weights(scenario.policy, scenario.predictor.weights)
     return path.name

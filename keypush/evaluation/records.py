@@ -13,8 +13,8 @@ from keypush.rollout.parquet import parquet_bytes
 
 RECORDS_FILE = "records.parquet"
 """Its name in the folder of an evaluation."""
-RECORDS_FORMAT = "2"
-"""Grows when columns or their meanings change."""
+RECORDS_FORMAT = "3"
+"""Grows when columns or their meanings change; 3 has reasons, 2 is read as one without any."""
 
 
 def _column(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Field:
@@ -45,7 +45,8 @@ RECORDS = pa.schema(
         _column("episode", pa.int32(), "number of the episode"),
         _column("success", pa.bool_(), "object upright on the table within the goal's radius"),
         _column("settled_success", pa.bool_(), "the same, after the tool has stopped"),
-        _column("outcome", pa.string(), "success, toppled, fell or timed_out"),
+        _column("outcome", pa.string(), "success, toppled, fell, timed_out or policy_failed"),
+        _column("reason", pa.string(), "why the policy failed, else empty"),
         _column("steps", pa.int32(), "policy steps until the outcome was known"),
         _length("object_path", "length of the path of the object's origin in xy"),
         _length("tool_path", "length of the path of the tool tip"),
@@ -93,6 +94,8 @@ def read_records(path: Path) -> pa.Table:
         table = pq.read_table(path, page_checksum_verification=True)
     except (OSError, pa.ArrowException) as error:
         raise UserError(f"{path}: cannot be read: {one_line(error)}") from error
+    if (table.schema.metadata or {}).get(b"keypush_records") == b"2":
+        table = table.append_column("reason", pa.array([""] * len(table), pa.string()))
     for field in RECORDS:
         if field.name not in table.column_names:
             raise UserError(f"{path}: lacks the column {field.name}; allowed: {_names()}")

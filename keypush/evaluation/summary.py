@@ -30,6 +30,8 @@ class ObjectSummary(TypedDict):
     settled_wilson95: list[float]
     failures: dict[str, int]
     """How many episodes ended in each failure class that occurred."""
+    reasons: NotRequired[dict[str, int]]
+    """How many episodes the policy failed for each reason; left out if none."""
     com_capped: NotRequired[float]
     """Share of episodes whose centre of mass was moved less than asked for; left out if none."""
     median_steps: NotRequired[float | None]
@@ -54,7 +56,7 @@ def summarise(episodes: Sequence[Episode]) -> Summary:
     Args:
         episodes: mappings with at least object (name), success, settled_success (bool) and
             outcome ("success" or a failure class). What else a record has is summarised where it
-            is there: com_capped, steps, object_path, tool_path, keypoint_error.
+            is there: reason, com_capped, steps, object_path, tool_path, keypoint_error.
 
     Raises:
         ValueError: there are no episodes.
@@ -85,6 +87,9 @@ def summarise_group(episodes: Sequence[Episode]) -> ObjectSummary:
         "settled_wilson95": list(wilson_interval(settled, count)),
         "failures": dict(sorted(failures.items())),
     }
+    reasons = Counter(str(e["reason"]) for e in episodes if e.get("reason"))
+    if reasons:
+        summary["reasons"] = dict(sorted(reasons.items()))
     capped = sum(bool(episode.get("com_capped")) for episode in episodes)
     if capped:
         summary["com_capped"] = capped / count

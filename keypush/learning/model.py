@@ -9,6 +9,13 @@ Vector = NDArray[np.float64]
 Seen = NDArray[np.floating]
 
 
+class PolicyError(Exception):
+    """A policy gave no answer that can be used; the message, one line, says why.
+
+    It ends the episode, which has failed, and not the run.
+    """
+
+
 class KeypointModel(Protocol):
     """Chooses where to push."""
 
@@ -25,7 +32,7 @@ class KeypointModel(Protocol):
             com_W: p_WOcm, (3,), m, or None when it is not observed.
             hand: p_WEo and the first two columns of R_WE, (9,).
 
-        A non-finite result is returned as it is; the caller reports it.
+        A non-finite result is returned as it is; for the caller the policy has failed then.
         """
 
 

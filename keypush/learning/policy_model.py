@@ -8,8 +8,9 @@ from keypush.learning.baselines import CentroidKeypoint, GeometricKeypoint
 from keypush.learning.card import weights_path
 from keypush.learning.kinds import read_sizes
 from keypush.learning.model import PolicyModel
+from keypush.learning.own_policy import own_model
 from keypush.learning.predict import read_model
-from keypush.policies import POLICIES, weights_name
+from keypush.policies import POLICIES, find_policy, is_own_policy, weights_name
 
 
 def policy_weights(policy: str, given: str) -> tuple[Path, Any]:
@@ -54,9 +55,11 @@ def policy_model(policy: str, given: str) -> PolicyModel | None:
         given: `predictor.weights` of the scenario.
 
     Raises:
-        UserError: see `policy_weights`, or the weights cannot be read.
+        UserError: see `policy_weights`, or the weights cannot be read; see `own_model`.
     """
-    needs = POLICIES[policy]
+    if is_own_policy(policy):
+        return own_model(policy)
+    needs = find_policy(policy)
     if policy == "expert":
         return None
     if policy == "centroid":

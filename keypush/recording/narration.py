@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from keypush.learning.card import trained_objects
-from keypush.policies import POLICIES, weights_name
+from keypush.policies import find_policy, policy_label, weights_name
 from keypush.rollout.episode import EpisodeResult
 from keypush.scenario import Scenario
 
@@ -13,6 +13,7 @@ _FAILURES = {
     "toppled": "the {object} toppled",
     "fell": "the {object} fell off the table",
     "timed_out": "time ran out",
+    "policy_failed": "the policy failed ({reason})",
 }
 
 
@@ -32,16 +33,17 @@ class Narration:
 def narrate(scenario: Scenario, result: EpisodeResult) -> Narration:
     """Tells which object was pushed, by whom, and how it ended."""
     shown = scenario.object.name.replace("_", " ")
+    policy = f"{policy_label(scenario.policy)} ({find_policy(scenario.policy).description})"
     return Narration(
         title=f"A Franka Panda pushes the {shown}{_familiarity(scenario)}.",
-        policy=f"Policy: {scenario.policy} ({POLICIES[scenario.policy].description}).",
+        policy=f"Policy: {policy}.",
         outcome=_outcome(scenario, result, shown),
     )
 
 
 def _familiarity(scenario: Scenario) -> str:
     """Whether who drives has seen the object before; nothing where nobody has learned."""
-    if POLICIES[scenario.policy].weights_kind is None:
+    if find_policy(scenario.policy).weights_kind is None:
         return ""
     weights = weights_name(scenario.policy, scenario.predictor.weights)
     seen = scenario.object.name in trained_objects(weights)
@@ -61,7 +63,9 @@ def _outcome(scenario: Scenario, result: EpisodeResult, shown: str) -> str:
     distance = f"{100 * final_distance(result):.1f} cm from the goal's centre"
     allowed = f"{100 * scenario.episode.goal_radius:g} cm allowed"
     if not summary["success"]:
-        cause = _FAILURES[str(summary["outcome"])].format(object=shown)
+        cause = _FAILURES[str(summary["outcome"])].format(
+            object=shown, reason=summary.get("reason", "")
+        )
         return f"Goal not reached: {cause} {steps} ({seconds:.1f} s), {distance} ({allowed})."
     end = f"the {shown} was {distance} ({allowed})"
     if summary["settled_success"]:

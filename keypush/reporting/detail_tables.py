@@ -5,31 +5,49 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from keypush.reporting.episodes import FAILURES, SETS, Episodes
+from keypush.reporting.episodes import SETS, Episodes
 from keypush.reporting.table import ReportTable, Row
 from keypush.reporting.words import NOTHING, grouped, percent
 
 
 def failure_table(episodes: Episodes) -> ReportTable:
     """One row per policy and condition: how many episodes ended in each class of failure."""
+    kinds = episodes.failures
     rows = [
-        (driver, words, grouped(len(part)), *_shares(part))
+        (driver, words, grouped(len(part)), *_shares(part, kinds))
         for driver, mine in episodes.split("driver")
         for words, part in mine.split("condition")
     ]
     return ReportTable(
         "Failures by policy and condition",
         ("policy", "condition"),
-        ("N", "failed", *(name.replace("_", " ") for name in FAILURES)),
+        ("N", "failed", *(name.replace("_", " ") for name in kinds)),
         rows,
         "Episodes, and their share of N. Toppled: not upright any more; fell: off the table; "
         "timed out: not at the goal within the policy steps of an episode.",
     )
 
 
-def _shares(episodes: Episodes) -> Iterable[str]:
+def reason_table(episodes: Episodes) -> ReportTable:
+    """One row per policy and reason for which it gave no answer that could be used."""
+    rows = [
+        (driver, str(reason), grouped(int((mine["reason"] == reason).sum())))
+        for driver, mine in episodes.split("driver")
+        for reason in np.unique(mine["reason"][mine["reason"] != ""])
+    ]
+    return ReportTable(
+        "Why policies failed",
+        ("policy", "reason"),
+        ("episodes",),
+        rows,
+        "A policy fails when it raises, takes too long or answers with what is no keypoint or "
+        "action; the episode ends there and counts as failed.",
+    )
+
+
+def _shares(episodes: Episodes, kinds: Iterable[str]) -> Iterable[str]:
     failed = ~episodes["success"]
-    for mask in (failed, *(episodes["outcome"] == name for name in FAILURES)):
+    for mask in (failed, *(episodes["outcome"] == name for name in kinds)):
         number = int(mask.sum())
         yield f"{grouped(number)} ({percent(number / len(episodes))})"
 

@@ -25,6 +25,7 @@ FAILURES = tuple(
     outcome.name.lower() for outcome in Outcome if outcome not in (Outcome.RUNNING, Outcome.SUCCESS)
 )
 """Classes of failure."""
+_SELDOM = Outcome.POLICY_FAILED.name.lower()
 _START = ("object", "condition", "size_ratio", "seed", "episode")
 _VARIED = ("size_ratio", "com_shift", "cloud_deviation", "push_speed")
 
@@ -47,6 +48,12 @@ class Episodes:
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self.columns[name]
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """Classes of failure that are worth a column: a policy's own only where it occurs."""
+        seldom = bool((self["outcome"] == _SELDOM).any())
+        return tuple(name for name in FAILURES if name != _SELDOM or seldom)
 
     def where(self, mask: NDArray[np.bool_]) -> "Episodes":
         """Returns the episodes of a mask (N,)."""

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypush.reporting.conditions import Family
-from keypush.reporting.episodes import FAILURES, Episodes
+from keypush.reporting.episodes import Episodes
 from keypush.reporting.figure import Figure, LegendEntry, Panel
 from keypush.reporting.svg import WIDTH, Drawing, symbol
 from keypush.reporting.words import percent
@@ -25,7 +25,7 @@ def failure_figure(episodes: Episodes) -> Figure:
     parts = {family: episodes.of(family) for family in Family}
     shares = {
         family: {
-            driver: {name: float((mine["outcome"] == name).mean()) for name in FAILURES}
+            driver: {name: float((mine["outcome"] == name).mean()) for name in episodes.failures}
             for driver, mine in part.split("driver")
         }
         for family, part in parts.items()
@@ -38,7 +38,7 @@ def failure_figure(episodes: Episodes) -> Figure:
         for family, by_driver in shares.items()
     ]
     caption = "Share of episodes that failed, by how they failed."
-    return Figure(caption, panels, _failure_legend())
+    return Figure(caption, panels, _failure_legend(episodes))
 
 
 def _draw_bars(shares: dict[str, dict[str, float]], end: float, family: Family) -> str:
@@ -68,8 +68,10 @@ def _round_up(share: float) -> float:
     return next((end for end in ends if share <= end), 1.0)
 
 
-def _failure_legend() -> list[LegendEntry]:
-    return [LegendEntry(symbol(0, f"mark {name}"), name.replace("_", " ")) for name in FAILURES]
+def _failure_legend(episodes: Episodes) -> list[LegendEntry]:
+    return [
+        LegendEntry(symbol(0, f"mark {name}"), name.replace("_", " ")) for name in episodes.failures
+    ]
 
 
 def map_figure(episodes: Episodes, where: str) -> Figure:
@@ -78,7 +80,7 @@ def map_figure(episodes: Episodes, where: str) -> Figure:
         Panel(f"{driver}, {where}", _draw_maps(mine, driver))
         for driver, mine in episodes.split("driver")
     ]
-    legend = [LegendEntry(symbol(0, "mark success"), "success"), *_failure_legend()]
+    legend = [LegendEntry(symbol(0, "mark success"), "success"), *_failure_legend(episodes)]
     caption = (
         "Where objects started and were meant to go, from above, by how the episode ended; dots of "
         "the same place lie around it."
@@ -106,7 +108,7 @@ def _draw_map(drawing: Drawing, episodes: Episodes, place: str, centre: float) -
     across = centre - _SCALE * episodes[f"{place}_y"]
     up = middle - _SCALE * episodes[f"{place}_x"]
     points = fan_out(np.stack([across, up], axis=1))
-    kinds = {name: points[episodes["outcome"] == name] for name in ("success", *FAILURES)}
+    kinds = {name: points[episodes["outcome"] == name] for name in ("success", *episodes.failures)}
     # What is rarer is drawn later, so that nothing hides it.
     for name in sorted(kinds, key=lambda name: -len(kinds[name])):
         drawing.dots([(x, y) for x, y in kinds[name]], f"dot {name}")

@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from keypush.policies import POLICIES
+from keypush.policies import POLICIES, find_policy, is_own_policy
 from keypush.reporting.comparison import compare_drivers
 from keypush.reporting.comparison_figure import comparison_figure
 from keypush.reporting.conditions import Family
-from keypush.reporting.detail_tables import effort_table, failure_table
+from keypush.reporting.detail_tables import effort_table, failure_table, reason_table
 from keypush.reporting.episodes import SETS, Episodes
 from keypush.reporting.figure import Drivers, Figure, number_drivers
 from keypush.reporting.outcome_figures import failure_figure, map_figure
@@ -57,8 +57,13 @@ class Report:
     sections: Sequence[Section]
 
 
-def build_report(episodes: Episodes) -> Report:
-    """Makes the report of some episodes, at least one."""
+def build_report(episodes: Episodes, unlike: str = "") -> Report:
+    """Makes the report of some episodes, at least one.
+
+    Args:
+        episodes: what to tell of.
+        unlike: how their runs differ in what is not compared, see `find_differences`.
+    """
     drivers = number_drivers(episodes.values("driver"))
     makers: Sequence[Callable[[Episodes, Drivers], Section | None]] = (
         _success, _sizes, _shifts, _others, _compared, _objects, _failures, _keypoints, _places,
@@ -67,7 +72,7 @@ def build_report(episodes: Episodes) -> Report:
     return Report(
         "Evaluation of pushing policies",
         _lead(episodes),
-        list(_facts(episodes)),
+        [*_facts(episodes), *([("caution", unlike)] if unlike else [])],
         [*sections, Section("How to read this", _METHOD)],
     )
 
@@ -83,9 +88,8 @@ def _lead(episodes: Episodes) -> str:
 
 def _facts(episodes: Episodes) -> Iterator[tuple[str, str]]:
     for driver, mine in episodes.split("driver"):
-        known = POLICIES.get(str(mine["policy"][0]))
         weights = str(mine["weights"][0])
-        parts = [known.description if known else "", weights and f"weights {weights}"]
+        parts = [_description(str(mine["policy"][0])), weights and f"weights {weights}"]
         yield driver, "; ".join(part for part in (*parts, _episodes(len(mine))) if part)
     things = [f"{SETS[name]}: {len(part.values('object'))}" for name, part in episodes.split("set")]
     yield "objects", ", ".join(things)
@@ -93,6 +97,12 @@ def _facts(episodes: Episodes) -> Iterator[tuple[str, str]]:
     yield "conditions", "; ".join(episodes.values("condition"))
     seeds = [str(seed) for seed in np.unique(episodes["seed"])]
     yield "seed" if len(seeds) == 1 else "seeds", listed(seeds)
+
+
+def _description(policy: str) -> str:
+    """Who drove, in words; nothing of a policy that another version of keypush knows."""
+    known = policy in POLICIES or is_own_policy(policy)
+    return find_policy(policy).description if known else ""
 
 
 def _episodes_per_cell(episodes: Episodes) -> str:
@@ -152,7 +162,9 @@ def _objects(episodes: Episodes, drivers: Drivers) -> Section | None:
 def _failures(episodes: Episodes, _drivers: Drivers) -> Section | None:
     failed = not episodes["success"].all()
     figures = [failure_figure(episodes)] if failed else []
-    return Section("Failures", "", [failure_table(episodes)], figures)
+    reasons = reason_table(episodes)
+    tables = [failure_table(episodes), *([reasons] if reasons.rows else [])]
+    return Section("Failures", "", tables, figures)
 
 
 def _keypoints(episodes: Episodes, drivers: Drivers) -> Section | None:

@@ -7,6 +7,8 @@ from keypush.reproduction.throughput import Session, rate
 
 _COMPARED = ("policy", "thesis", "ours", "95 % interval", "difference", "N")
 _NUMBERS = "---:"
+_SELDOM = "policy_failed"
+"""Has a column only where it occurs."""
 
 
 def comparison_table(first: str, lines: Sequence[Comparison]) -> str:
@@ -23,17 +25,20 @@ def comparison_table(first: str, lines: Sequence[Comparison]) -> str:
 
 def measures_table(results: Results, objects: Sequence[str]) -> str:
     """Lays out what else was measured of every policy, with objects as they are."""
+    found = {policy: results.summary(policy, objects) for policy in results.policies}
+    kinds = ["toppled", "fell", "timed_out"]
+    if any(summary and _SELDOM in summary["failures"] for summary in found.values()):
+        kinds.append(_SELDOM)
     headings = [
-        "policy", "success", "settled success", "toppled", "fell", "timed out", "steps (median)",
-        "object path (m)", "tool path (m)", "keypoint error (mm)", "N",
+        "policy", "success", "settled success", *(kind.replace("_", " ") for kind in kinds),
+        "steps (median)", "object path (m)", "tool path (m)", "keypoint error (mm)", "N",
     ]  # fmt: skip
     rows = []
-    for policy in results.policies:
-        summary = results.summary(policy, objects)
+    for policy, summary in found.items():
         if summary is None:
             continue
         count = summary["episodes"]
-        failed = [summary["failures"].get(kind, 0) for kind in ("toppled", "fell", "timed_out")]
+        failed = [summary["failures"].get(kind, 0) for kind in kinds]
         error = summary.get("mean_keypoint_error")
         rows.append(
             [

@@ -1,6 +1,6 @@
 """EpisodeRunner: runs episodes of one scenario in one diagram, reset between them."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import cast, override
@@ -12,7 +12,9 @@ from pydrake.systems.framework import Context
 from pydrake.systems.primitives import VectorLog
 
 from diagrams.push_diagram import MakePushDiagram, PushDiagram
+from keypush.learning.model import PolicyError
 from keypush.learning.policy_model import policy_model
+from keypush.policies import policy_label
 from keypush.rollout.simulation import EpisodeSimulation
 from keypush.rollout.start import EpisodeStart
 from keypush.scenario import Scenario
@@ -37,7 +39,8 @@ class EpisodeRunner(EpisodeSimulation[PushDiagram]):
     """Builds the diagram and runs any number of episodes in it.
 
     An episode's result depends on the scenario and its number alone, not on the episodes
-    that ran before it.
+    that ran before it. One in which the policy fails ends there, with a row of what was seen then
+    and the reason in its summary.
     """
 
     def __init__(self, scenario: Scenario, meshcat: Meshcat | None = None) -> None:
@@ -60,7 +63,9 @@ class EpisodeRunner(EpisodeSimulation[PushDiagram]):
             RuntimeError: the simulation failed.
         """
         self.reset(episode)
-        self._simulator.AdvanceTo(longest_episode(self.scenario.episode))
+        if not self._reason:
+            end = longest_episode(self.scenario.episode)
+            self._until_failure(lambda: self._simulator.AdvanceTo(end))
         return self._result(episode)
 
     @override
@@ -69,6 +74,22 @@ class EpisodeRunner(EpisodeSimulation[PushDiagram]):
         start = super().reset(episode)
         self._redrawn = start.redrawn
         return start
+
+    @override
+    def _initialize(self) -> None:
+        self._reason = ""
+        self._until_failure(super()._initialize)
+
+    def _until_failure(self, advance: Callable[[], object]) -> None:
+        """Simulates; where the policy fails, says why and logs the row at which it did."""
+        try:
+            advance()
+        except PolicyError as failure:
+            self._reason = str(failure)
+            context = self._context
+            times = self.push.log.FindLog(context).sample_times()
+            if not len(times) or times[-1] < context.get_time():
+                self.push.diagram.ForcedPublish(context)
 
     @override
     def _prepare(self, context: Context, episode: int) -> None:
@@ -82,8 +103,12 @@ class EpisodeRunner(EpisodeSimulation[PushDiagram]):
         monitor = self.push.monitor
         port = monitor.GetOutputPort("verdict")
         verdict = cast("NDArray[np.float64]", port.Eval(monitor.GetMyContextFromRoot(context)))
-        outcome = Outcome(int(verdict[0]))
+        outcome, steps = Outcome(int(verdict[0])), int(verdict[1])
+        settled = bool(verdict[2] > 0.5)
         scenario = self.scenario
+        if self._reason:  # also where the goal had been reached before
+            outcome, settled = Outcome.POLICY_FAILED, False
+            steps = round(context.get_time() / scenario.episode.policy_period)
         keys = {
             "object": scenario.object.name,
             "size_ratio": self._variation.size_ratio,
@@ -92,11 +117,13 @@ class EpisodeRunner(EpisodeSimulation[PushDiagram]):
         }
         summary: dict[str, object] = {
             **keys,
-            "policy": scenario.policy,
+            "policy": policy_label(scenario.policy),
             "success": outcome == Outcome.SUCCESS,
-            "settled_success": bool(verdict[2] > 0.5),
+            "settled_success": settled,
             "outcome": outcome.name.lower(),
-            "steps": int(verdict[1]),
+            # The expert asks no model that could fail; its episodes become data sets.
+            **({} if scenario.policy == "expert" else {"reason": self._reason}),
+            "steps": steps,
             "final_position": np.array(self._object_position(context)),
             "mass": self._object.model.mass,
             "object_friction": self._variation.object_friction,

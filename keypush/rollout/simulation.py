@@ -81,8 +81,12 @@ class EpisodeSimulation[D: StationDiagram]:
         self._prepare(context, episode)
         # A fresh integrator: the old one would start with the step size it ended with.
         ApplySimulatorConfig(simulator_config(self.scenario.simulation), self._simulator)
-        self._simulator.Initialize()
+        self._initialize()
         return start
+
+    def _initialize(self) -> None:
+        """A hook: lets the diagram's systems start."""
+        self._simulator.Initialize()
 
     def _prepare(self, context: Context, episode: int) -> None:
         """A hook: sets what a diagram has besides station and goal."""

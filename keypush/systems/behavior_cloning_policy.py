@@ -29,7 +29,6 @@ class BehaviorCloningPolicy(SceneSystem):
     - tool_action
     - stage
     - contact_target
-    - rejected
     @endsystem
 
     ``point_cloud``: vector of 3 N, points p_WP in W in m, one after the other.
@@ -52,10 +51,8 @@ class BehaviorCloningPolicy(SceneSystem):
 
     ``contact_target``: vector of 3, NaN: no contact is aimed at, and logs say so in this way.
 
-    ``rejected``: vector of 1, how many predictions of this episode were not finite.
-
-    A prediction that is not finite is logged, counted and not passed on: the last finite
-    one is held. If the first one is not finite the event fails, and with it the simulation.
+    An action that is not finite is not passed on: the event raises `PolicyError`, which ends the
+    simulation.
     """
 
     def __init__(
@@ -73,7 +70,8 @@ class BehaviorCloningPolicy(SceneSystem):
         self.DeclareVectorOutputPort(
             "contact_target", 3, self._calc_target, prerequisites_of_calc={self.nothing_ticket()}
         )
-        self._declare_rejected()
+
+    _answer_name = "action"
 
     @override
     def predict(self, context: Context) -> Vector:
@@ -91,8 +89,7 @@ class BehaviorCloningPolicy(SceneSystem):
     def _update(self, context: Context, state: State) -> EventStatus:
         if eval_vector(self._halted, context)[0] <= 0.5:
             return super()._update(context, state)
-        held = np.array(context.get_discrete_state(0).value())
-        held[: self._size] = np.append(np.zeros(_ACTION), Stage.HALTED)
+        held = np.append(np.zeros(_ACTION), Stage.HALTED)
         state.get_mutable_discrete_state(0).SetFromVector(held)
         return EventStatus.Succeeded()
 

@@ -26,6 +26,8 @@ class Outcome(IntEnum):
     TOPPLED = 2
     FELL = 3
     TIMED_OUT = 4
+    POLICY_FAILED = 5
+    """Who runs the episode says so; the monitor never finds it."""
 
 
 _STILL_DISTANCE = 5e-4

@@ -20,7 +20,6 @@ class KeypointPredictor(SceneSystem):
     - object_com (optional)
     output_ports:
     - keypoint
-    - rejected
     @endsystem
 
     ``point_cloud``: vector of 3 N, points p_WP in W in m, one after the other.
@@ -35,10 +34,8 @@ class KeypointPredictor(SceneSystem):
 
     ``keypoint``: vector of 3, p_WK in m, held until the next policy step.
 
-    ``rejected``: vector of 1, how many predictions of this episode were not finite.
-
-    A prediction that is not finite is logged, counted and not passed on: the last finite
-    one is held. If the first one is not finite the event fails, and with it the simulation.
+    A keypoint that is not finite is not passed on: the event raises `PolicyError`, which ends
+    the simulation.
     """
 
     def __init__(self, model: KeypointModel, points: int, policy_period: float) -> None:
@@ -48,7 +45,8 @@ class KeypointPredictor(SceneSystem):
         self.DeclareVectorOutputPort(
             "keypoint", 3, self._calc_keypoint, prerequisites_of_calc=self._held
         )
-        self._declare_rejected()
+
+    _answer_name = "keypoint"
 
     @override
     def _first(self, answer: Vector) -> Vector:

@@ -1,19 +1,17 @@
 """What the systems share that ask a model about the scene: inputs, and what is not finite."""
 
-import logging
 from abc import abstractmethod
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import BasicVector, Context, EventStatus, LeafSystem, State
+from pydrake.systems.framework import Context, EventStatus, LeafSystem, State
 
 from keypush.eval_ports import eval_abstract, eval_vector
 from keypush.learning.hand import hand_state
-from keypush.learning.model import PolicyModel
-
-_log = logging.getLogger(__name__)
+from keypush.learning.model import PolicyError, PolicyModel
 
 Vector = NDArray[np.float64]
 
@@ -21,20 +19,23 @@ Vector = NDArray[np.float64]
 class SceneSystem(LeafSystem):
     """Base of the systems that hold a model's answer for one policy step.
 
-    The state is the held answer and the count of answers that were not finite. It updates in
-    unrestricted events, which Drake handles before discrete ones (see `StagedPlanner`).
+    The state is the held answer. It updates in unrestricted events, which Drake handles before
+    discrete ones (see `StagedPlanner`). Where there is no answer that can be used these raise
+    `PolicyError`, and leave the state as it was.
     """
+
+    _answer_name: ClassVar[str]
+    """What the model answers with, in messages."""
 
     def __init__(self, model: PolicyModel, points: int, size: int, policy_period: float) -> None:
         """Args: the model; points of the cloud; numbers of an answer; period in s."""
         super().__init__()
         self._model = model
-        self._size = size
         self._cloud = self.DeclareVectorInputPort("point_cloud", 3 * points)
         self._goal = self.DeclareVectorInputPort("goal", 2)
         self._tool_pose = self.DeclareAbstractInputPort("tool_pose", Value(RigidTransform()))
         self._com = self.DeclareVectorInputPort("object_com", 3)
-        self._held = {self.discrete_state_ticket(self.DeclareDiscreteState(size + 1))}
+        self._held = {self.discrete_state_ticket(self.DeclareDiscreteState(size))}
         self.DeclareInitializationUnrestrictedUpdateEvent(self._start)
         self.DeclarePeriodicUnrestrictedUpdateEvent(policy_period, 0.0, self._update)
 
@@ -50,32 +51,25 @@ class SceneSystem(LeafSystem):
     def _first(self, answer: Vector) -> Vector:
         """Returns what is held at the start, before the first policy step."""
 
-    def _declare_rejected(self) -> None:
-        """Declares the port that comes after the system's own outputs."""
-        self.DeclareVectorOutputPort(
-            "rejected", 1, self._calc_rejected, prerequisites_of_calc=self._held
-        )
-
     def _start(self, context: Context, state: State) -> EventStatus:
-        answer = self.predict(context)
-        if not np.all(np.isfinite(answer)):
-            return EventStatus.Failed(self, f"first prediction is not finite: {answer}")
-        state.get_mutable_discrete_state(0).SetFromVector(np.append(self._first(answer), 0.0))
+        first = self._first(self._finite_answer(context))
+        state.get_mutable_discrete_state(0).SetFromVector(first)
         return EventStatus.Succeeded()
 
     def _update(self, context: Context, state: State) -> EventStatus:
-        held = np.array(context.get_discrete_state(0).value())
-        answer = self.predict(context)
-        if np.all(np.isfinite(answer)):
-            held[: self._size] = answer
-        else:
-            held[self._size] += 1
-            _log.warning("prediction at %.1f s is not finite: held", context.get_time())
-        state.get_mutable_discrete_state(0).SetFromVector(held)
+        state.get_mutable_discrete_state(0).SetFromVector(self._finite_answer(context))
         return EventStatus.Succeeded()
 
-    def _answer(self, context: Context) -> Vector:
-        return np.array(context.get_discrete_state(0).value()[: self._size])
+    def _finite_answer(self, context: Context) -> Vector:
+        """Asks the model.
 
-    def _calc_rejected(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(context.get_discrete_state(0).value()[self._size :])
+        Raises:
+            PolicyError: the answer is not finite, or the model itself raises it.
+        """
+        answer = self.predict(context)
+        if not np.all(np.isfinite(answer)):
+            raise PolicyError(f"{self._answer_name} is not finite")
+        return answer
+
+    def _answer(self, context: Context) -> Vector:
+        return np.array(context.get_discrete_state(0).value())

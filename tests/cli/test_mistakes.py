@@ -35,6 +35,12 @@ MISTAKES: list[tuple[list[str], list[str]]] = [
     (["demo", "--seed", "-1"], ["seed is -1"]),
     (["demo", "--policy", "keypuncher"], ["policy is 'keypuncher'", "keypoint_no_com, behavior"]),
     (["demo", "--set", "predictor.weights=nothing"], ["weights 'nothing'", ".safetensors"]),
+    (["demo", "--policy", "none.py:X"], ["policy none.py:X: no file none.py in"]),
+    (["demo", "--policy", "no.such:X"], ["policy no.such:X: importing it raised ModuleNotFound"]),
+    (
+        ["evaluate", "--policy", "keypush.policies:SHIPPED", "--out", "e"],
+        ["policies.py has no class or function SHIPPED; allowed: Policy, "],
+    ),
     (
         ["demo", "--policy", "behavior_cloning", "--set", "predictor.weights=surface_no_com"],
         ["policy behavior_cloning", "'surface_keypoint'; allowed here: behavior_cloning"],

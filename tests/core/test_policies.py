@@ -10,7 +10,14 @@ from keypush.learning.checkpoint import save_network
 from keypush.learning.eager import random_network
 from keypush.learning.kinds import KINDS
 from keypush.learning.policy_model import policy_model, policy_weights
-from keypush.policies import POLICIES, SHIPPED, weights_name
+from keypush.policies import (
+    POLICIES,
+    SHIPPED,
+    find_policy,
+    is_own_policy,
+    policy_label,
+    weights_name,
+)
 
 LEARNED = [name for name, policy in POLICIES.items() if policy.weights_kind is not None]
 AIMING_BY_HAND = [name for name in POLICIES if name not in LEARNED]
@@ -40,6 +47,27 @@ def test_policies_are_told_in_one_line_and_need_known_weights() -> None:
 def test_weights_are_the_policys_own_unless_others_are_named() -> None:
     assert weights_name("surface", SHIPPED) == "surface"
     assert weights_name("surface", "mine.safetensors") == "mine.safetensors"
+
+
+@pytest.mark.parametrize(
+    ("name", "label"),
+    [
+        ("mine.py:Ray", "mine.py:Ray"),
+        ("../some folder/mine.py:Ray", "mine.py:Ray"),
+        ("package.module:make", "package.module:make"),
+    ],
+)
+def test_somebodys_own_policy_is_told_by_file_and_name(name: str, label: str) -> None:
+    assert is_own_policy(name)
+    assert policy_label(name) == label
+    assert find_policy(name).weights_kind is None
+
+
+@pytest.mark.parametrize("name", [*POLICIES, "", ":", "mine.py", "mine.py:", ":Ray", "a b:Ray",
+                                  "folder/mine.txt:Ray", "mine.py:3"])  # fmt: skip
+def test_other_names_are_nobodys_own(name: str) -> None:
+    assert not is_own_policy(name)
+    assert name not in POLICIES or policy_label(name) == name
 
 
 @pytest.mark.parametrize("policy", AIMING_BY_HAND)

@@ -116,7 +116,8 @@ def test_a_word_that_is_no_choice_is_refused_by_name(name: str) -> None:
     allowed = FIELDS[name].metadata["allowed"]
     for word in allowed:
         _with(name, word).validate()
-    with pytest.raises(UserError, match=f"^{name} is 'neither'; allowed: {', '.join(allowed)}$"):
+    told = ", ".join([*allowed, *FIELDS[name].metadata.get("form", ())[1:]])
+    with pytest.raises(UserError, match=f"^{name} is 'neither'; allowed: {told}$"):
         _with(name, "neither").validate()
 
 

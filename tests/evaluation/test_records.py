@@ -70,6 +70,13 @@ def test_what_is_no_parquet_is_refused(tmp_path: Path) -> None:
         read_records(tmp_path / "none.parquet")
 
 
+def test_records_of_before_there_were_reasons_are_read(tmp_path: Path) -> None:
+    given = pa.Table.from_pylist([record(outcome="toppled")], schema=RECORDS)
+    old = given.drop_columns(["reason"]).replace_schema_metadata({"keypush_records": "2"})
+    pq.write_table(old, tmp_path / "r.parquet")
+    assert read_records(tmp_path / "r.parquet").equals(given)
+
+
 def test_columns_of_others_are_left_out(tmp_path: Path) -> None:
     write_records([record()], tmp_path / "r.parquet")
     table = pq.read_table(tmp_path / "r.parquet").append_column("mine", pa.array([1]))

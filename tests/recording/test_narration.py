@@ -19,6 +19,7 @@ def result(outcome: str, *, settled: bool = False) -> EpisodeResult:
         "outcome": outcome,
         "steps": 42,
         "final_position": np.array([0.13, 0.04, 0.03]),
+        "reason": "no answer" if outcome == "policy_failed" else "",
     }
     return EpisodeResult(summary, {"goal": np.array([[0.1, 0.0]])}, 5.5)
 
@@ -35,6 +36,7 @@ def test_distance_is_that_in_the_plane() -> None:
         ("toppled", False, ["not reached", "the lamp base toppled"]),
         ("fell", False, ["not reached", "fell off the table"]),
         ("timed_out", False, ["not reached", "time ran out"]),
+        ("policy_failed", False, ["not reached", "the policy failed (no answer) after"]),
     ],
 )
 def test_outcome_names_cause_steps_time_and_distance(

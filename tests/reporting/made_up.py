@@ -32,7 +32,7 @@ def record(**values: object) -> Record:
         "policy": "expert", "weights": "", "object": "mug", "set": "train", "size_ratio": 1.0,
         "com_shift": 0.0, "com_capped": False, "cloud_deviation": 0.005, "push_speed": 0.065,
         "seed": 0, "episode": 0, "success": True, "settled_success": True, "outcome": "success",
-        "steps": 80, "object_path": 0.2, "tool_path": 0.6, "keypoint_error": 0.004,
+        "reason": "", "steps": 80, "object_path": 0.2, "tool_path": 0.6, "keypoint_error": 0.004,
         "start_x": 0.05, "start_y": -0.1, "goal_x": -0.05, "goal_y": 0.1, "final_x": -0.03,
         "final_y": 0.09, "folder": ".",
     }  # fmt: skip

@@ -10,7 +10,7 @@ import pytest
 from keypush.evaluation.wilson import wilson_interval
 from keypush.reporting.comparison import compare_drivers
 from keypush.reporting.conditions import Family
-from keypush.reporting.detail_tables import effort_table, failure_table
+from keypush.reporting.detail_tables import effort_table, failure_table, reason_table
 from keypush.reporting.episodes import FAILURES
 from keypush.reporting.paired import holm, mcnemar_p
 from keypush.reporting.rate_tables import (
@@ -90,7 +90,24 @@ def test_objects_that_a_policy_did_not_push_are_left_open(tmp_path: Path) -> Non
 def test_failures_by_class(tmp_path: Path) -> None:
     records = [record(), *(failed(episode=i, outcome=o) for i, o in enumerate(FAILURES, 1))]
     (row,) = failure_table(gathered(tmp_path, records)).rows
-    assert row == ("expert", "nominal", "4", "3 (75.0 %)", *(["1 (25.0 %)"] * 3))
+    assert row == ("expert", "nominal", "5", "4 (80.0 %)", *(["1 (20.0 %)"] * 4))
+
+
+def test_a_policys_own_failure_has_a_column_and_its_reasons_only_where_it_occurs(
+    tmp_path: Path,
+) -> None:
+    usual = gathered(tmp_path / "usual", [record(), failed(episode=1)])
+    assert "policy failed" not in failure_table(usual).headings
+    assert reason_table(usual).rows == []
+    broken = {"outcome": "policy_failed", "policy": "mine.py:Ray"}
+    reasons = ["no answer within 10 s", "keypoint is not finite", "no answer within 10 s"]
+    records = [failed(**broken, episode=i, reason=reason) for i, reason in enumerate(reasons)]
+    episodes = gathered(tmp_path / "broken", [record(), *records])
+    assert failure_table(episodes).rows[1][-1] == "3 (100.0 %)"
+    assert reason_table(episodes).rows == [
+        ("mine.py:Ray", "keypoint is not finite", "1"),
+        ("mine.py:Ray", "no answer within 10 s", "2"),
+    ]
 
 
 def test_efforts_are_medians_of_successes_and_errors_of_all(tmp_path: Path) -> None:

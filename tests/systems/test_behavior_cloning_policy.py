@@ -1,12 +1,12 @@
 """BehaviorCloningPolicy: the network's action at 10 Hz, clipped, until the stop."""
 
-import logging
 from typing import override
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypush.learning.model import PolicyError
 from keypush.planning.plan_state import Stage
 from keypush.scenario import ControlConfig
 from keypush.systems.behavior_cloning_policy import BehaviorCloningPolicy
@@ -54,7 +54,7 @@ def test_ports() -> None:
     inputs = {"point_cloud": 3 * POINTS, "goal": 2, "tool_pose": None, "object_com": 3, "halted": 1}
     assert ports(Scene().system) == {
         "in": inputs,
-        "out": {"tool_action": 6, "stage": 1, "contact_target": 3, "rejected": 1},
+        "out": {"tool_action": 6, "stage": 1, "contact_target": 3},
     }
 
 
@@ -100,25 +100,19 @@ def test_halted_the_tool_stays_from_then_on() -> None:
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_what_is_not_finite_is_held_back_counted_and_logged(
-    bad: float, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_an_action_that_is_not_finite_ends_the_simulation(bad: float) -> None:
     scene = Scene()
     scene.simulator.AdvanceTo(0.15)
     scene.see(np.where(np.arange(POINTS)[:, np.newaxis] == 1, bad, CLOUD))
-    with caplog.at_level(logging.WARNING):
+    with pytest.raises(PolicyError, match=r"^action is not finite$"):
         scene.simulator.AdvanceTo(0.35)
     np.testing.assert_array_equal(scene.output("tool_action"), _action(CLOUD))
-    assert scene.output("rejected") == 2
-    assert [r.getMessage() for r in caplog.records] == [
-        f"prediction at {t} s is not finite: held" for t in (0.2, 0.3)
-    ]
 
 
-def test_without_a_first_action_the_simulation_fails() -> None:
+def test_without_a_first_action_there_is_no_simulation() -> None:
     scene = Scene()
     scene.see(np.full((POINTS, 3), np.nan))
-    with pytest.raises(RuntimeError, match="first prediction is not finite"):
+    with pytest.raises(PolicyError, match=r"^action is not finite$"):
         scene.simulator.Initialize()
 
 

@@ -1,12 +1,12 @@
-"""KeypointPredictor: predictions at 10 Hz; what is not finite is held back and reported."""
+"""KeypointPredictor: predictions at 10 Hz; one that is not finite ends the simulation."""
 
-import logging
 from typing import override
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypush.learning.model import PolicyError
 from keypush.systems.keypoint_predictor import KeypointPredictor
 from tests.systems.contract import ports
 from tests.systems.scene import (
@@ -42,7 +42,7 @@ class Scene(SceneBench):
 def test_ports() -> None:
     assert ports(Scene().system) == {
         "in": {"point_cloud": 3 * POINTS, "goal": 2, "tool_pose": None, "object_com": 3},
-        "out": {"keypoint": 3, "rejected": 1},
+        "out": {"keypoint": 3},
     }
 
 
@@ -79,41 +79,24 @@ def test_a_keypoint_is_there_at_once_and_held_for_one_policy_step() -> None:
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_what_is_not_finite_is_held_back_counted_and_logged(
-    bad: float, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_keypoint_that_is_not_finite_ends_the_simulation(bad: float) -> None:
     scene = Scene()
     scene.simulator.AdvanceTo(0.15)
     scene.see(np.where(np.arange(POINTS)[:, np.newaxis] == 3, bad, CLOUD))
-    with caplog.at_level(logging.WARNING):
+    with pytest.raises(PolicyError, match=r"^keypoint is not finite$"):
         scene.simulator.AdvanceTo(0.45)
+    assert scene.context.get_time() == pytest.approx(0.2)
     np.testing.assert_allclose(scene.output("keypoint"), CLOUD.mean(axis=0))
-    assert scene.output("rejected") == 3
-    assert [r.getMessage() for r in caplog.records] == [
-        f"prediction at {t} s is not finite: held" for t in (0.2, 0.3, 0.4)
-    ]
     scene.see(CLOUD + 1.0)
-    scene.simulator.AdvanceTo(0.55)
-    np.testing.assert_allclose(scene.output("keypoint"), (CLOUD + 1.0).mean(axis=0))
-    assert scene.output("rejected") == 3
-
-
-def test_a_new_episode_counts_anew() -> None:
-    scene = Scene()
-    scene.simulator.AdvanceTo(0.15)
-    scene.see(np.full((POINTS, 3), np.nan))
-    scene.simulator.AdvanceTo(0.25)
-    assert scene.output("rejected") == 1
-    scene.see(CLOUD)
     scene.context.SetTime(0.0)
     scene.simulator.Initialize()
-    assert scene.output("rejected") == 0
+    np.testing.assert_allclose(scene.output("keypoint"), (CLOUD + 1.0).mean(axis=0))
 
 
-def test_without_a_first_keypoint_the_simulation_fails() -> None:
+def test_without_a_first_keypoint_there_is_no_simulation() -> None:
     scene = Scene()
     scene.see(np.full((POINTS, 3), np.nan))
-    with pytest.raises(RuntimeError, match="first prediction is not finite"):
+    with pytest.raises(PolicyError, match=r"^keypoint is not finite$"):
         scene.simulator.Initialize()
 
 

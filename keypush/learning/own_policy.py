@@ -1,0 +1,164 @@
+"""A keypoint model from outside the package: what a user's file or module makes.
+
+Such a model may be wrong in ways that ours are not: it may raise, take for ever or answer with
+something else than a keypoint. All of that becomes `PolicyError`, which ends an episode.
+"""
+
+import importlib
+import inspect
+import reprlib
+import sys
+import traceback
+from pathlib import Path
+from types import ModuleType
+from typing import Any, override
+
+import numpy as np
+
+from keypush.errors import UserError, one_line
+from keypush.learning.model import KeypointModel, PolicyError, Seen, Vector
+from keypush.learning.time_limit import NoAnswer, time_limit
+
+ANSWER_SECONDS = 10.0
+"""Wall time after which an answer does not count; far longer than any sensible one takes."""
+_ALLOWED = (
+    "allowed: a class or function that, called without arguments, gives an object with uses_com "
+    "(true or false) and predict(cloud_W, goal_W, com_W, hand)"
+)
+
+
+class OwnModel(KeypointModel):
+    """A user's model, whose mistakes are told as `PolicyError`."""
+
+    def __init__(self, model: Any, source: Path, seconds: float) -> None:
+        """Args: the user's model; the file that it comes from; the most wall time of an answer."""
+        self._model = model
+        self._source = source
+        self._seconds = seconds
+
+    @property
+    @override
+    def uses_com(self) -> bool:
+        """Whether `predict` needs `com_W`."""
+        return bool(self._model.uses_com)
+
+    @override
+    def predict(self, cloud_W: Seen, goal_W: Seen, com_W: Seen | None, hand: Seen) -> Vector:
+        """Returns the keypoint; see `KeypointModel.predict`.
+
+        Raises:
+            PolicyError: it raised, took too long, or answered with no three numbers.
+        """
+        seen = (cloud_W, goal_W, com_W, hand)
+        try:
+            with time_limit(self._seconds):
+                # Copies: what it does to them must not reach the simulation.
+                answer = self._model.predict(*(None if s is None else s.copy() for s in seen))
+                keypoint = np.array(answer, dtype=float)
+        except NoAnswer as error:
+            raise PolicyError(f"no answer within {self._seconds:g} s") from error
+        except (Exception, SystemExit) as error:
+            raise PolicyError(_told(error, self._source)) from error
+        if keypoint.shape != (3,):
+            found = " ".join(reprlib.repr(answer).split())
+            raise PolicyError(f"keypoint is {found}; allowed: three numbers")
+        return keypoint
+
+
+def own_model(policy: str) -> KeypointModel:
+    """Makes the model that the name of a user's own policy stands for.
+
+    A file is read anew each time; what it imports may lie beside it.
+
+    Args:
+        policy: "FILE.py:NAME" or "MODULE:NAME", see `keypush.policies.is_own_policy`.
+
+    Raises:
+        UserError: there is no such file, module or name, importing or calling it raised, or what
+            it gives is no model.
+    """
+    source, _, name = policy.rpartition(":")
+    try:
+        module = _load(source)
+        path = Path(str(module.__file__))
+        return OwnModel(_make(module, name, path), path, ANSWER_SECONDS)
+    except UserError as error:
+        raise UserError(f"policy {policy}: {error}") from error
+
+
+def source_file(policy: str) -> Path:
+    """Returns the file in which a user's own policy stands, after `own_model` has found it."""
+    source = policy.rpartition(":")[0]
+    return Path(source if source.endswith(".py") else str(sys.modules[source].__file__))
+
+
+def _load(source: str) -> ModuleType:
+    path = Path(source)
+    is_file = source.endswith(".py")
+    if is_file and not path.is_file():
+        raise UserError(f"no file {source} in {Path.cwd()}; allowed: the path of a Python file")
+    folder = str(path.resolve().parent if is_file else Path.cwd())
+    if folder not in sys.path:
+        sys.path.append(folder)  # last, so that nothing there hides a package
+    try:
+        return _run_file(path) if is_file else importlib.import_module(source)
+    except (Exception, SystemExit) as error:
+        raise UserError(f"importing it raised {_told(error, path)}") from error
+
+
+def _run_file(path: Path) -> ModuleType:
+    """Imports a file without the bytecode that Python keeps: an edit in the same second counts."""
+    module = ModuleType(f"keypush_own_policy_{path.stem}")
+    module.__file__ = str(path)
+    sys.modules[module.__name__] = module  # dataclasses and others look there for their module
+    exec(compile(path.read_bytes(), str(path), "exec"), module.__dict__)
+    return module
+
+
+def _make(module: ModuleType, name: str, path: Path) -> Any:
+    made = getattr(module, name, None)
+    if not callable(made):
+        raise UserError(f"{path} has no class or function {name}{_others(module)}")
+    try:
+        model = made()
+    except (Exception, SystemExit) as error:
+        raise UserError(f"calling it raised {_told(error, path)}; {_ALLOWED}") from error
+    if not isinstance(getattr(model, "uses_com", None), bool | np.bool_):
+        raise UserError(f"what it gives has no uses_com; {_ALLOWED}")
+    if not _predicts(model):
+        raise UserError(f"what it gives has no such predict; {_ALLOWED}")
+    return model
+
+
+def _others(module: ModuleType) -> str:
+    """Names that may have been meant."""
+    found = [
+        name
+        for name, value in vars(module).items()
+        if callable(value) and getattr(value, "__module__", None) == module.__name__
+    ]
+    return f"; allowed: {', '.join(found)}" if found else ""
+
+
+def _predicts(model: Any) -> bool:
+    predict = getattr(model, "predict", None)
+    if not callable(predict):
+        return False
+    try:
+        inspect.signature(predict).bind(*[None] * 4)
+    except TypeError:
+        return False
+    except ValueError:  # compiled functions may not tell what they take
+        return True
+    return True
+
+
+def _told(error: BaseException, path: Path) -> str:
+    """What was raised, and in which line of the user's file."""
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in frames if Path(frame.filename) == path]
+    if isinstance(error, SyntaxError):
+        lines = [error.lineno]
+    place = f" ({path.name}:{lines[-1]})" if lines and lines[-1] else ""
+    text = one_line(error if not isinstance(error, SyntaxError) else SyntaxError(error.msg))
+    return f"{type(error).__name__}{': ' if text else ''}{text}{place}"
