@@ -11,7 +11,7 @@ from tqdm import tqdm
 from keypush.rollout.shard import Shard
 from keypush.rollout.store import Found
 
-SECONDS_PER_EPISODE = 0.9
+SECONDS_PER_EPISODE = 0.65
 """Of one core; see docs/collect.md."""
 BYTES_PER_EPISODE = 35_000
 """Of both files; see docs/collect.md."""

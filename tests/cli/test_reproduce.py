@@ -27,7 +27,7 @@ def test_a_small_plan_from_its_start_to_its_tables(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     records = _run(tmp_path)
-    assert "2 of 2 episodes to run for geometric: about 2 s" in capsys.readouterr().err
+    assert "2 of 2 episodes to run for geometric: about 1 s" in capsys.readouterr().err
     assert {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()} == {
         "records.parquet", "summary.json", "tables.md",
         *(
