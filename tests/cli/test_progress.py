@@ -26,9 +26,7 @@ def test_estimate_and_bar(tmp_path: Path) -> None:
     lines = _read(ours).replace("\r", "\n").splitlines()
     assert process.wait(timeout=60) == 0
     shown = [line for line in lines if line]
-    assert shown[0].startswith(
-        "keypush: 11 of 11 episodes to run: about 7 s with 1 worker, 0.4 MB"
-    )
+    assert shown[0].startswith("keypush: 11 of 11 episodes to run: about 7 s with 1 worker, 0.4 MB")
     bars = [line for line in shown if "11/11" in line]
     for words in ("100%", " left, ", "episodes/s", "success 0.0%", "MB of about"):
         assert words in bars[-1]
