@@ -8,10 +8,9 @@ from itertools import groupby
 from pathlib import Path
 
 from keypush.evaluation.examples import MOMENTS, Choice, Example
+from keypush.reporting.page_head import page_head
 
 _HEADINGS = ("object", "episode", "outcome", "how it went", "recording")
-_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
-"""Content security policy: browsers themselves refuse whatever the page does not carry."""
 _STYLE = Path(__file__).with_name("examples.css")
 
 
@@ -39,23 +38,12 @@ class Gallery:
 
 def render_page(gallery: Gallery) -> str:
     """Writes the examples as a page without script that needs no file but the recordings."""
-    title = escape(gallery.title)
     # The object stands in a row of its own above its episodes.
     headings = "".join(f'<th scope="col">{text}</th>' for text in _HEADINGS[1:])
     return "\n".join(
         [
-            "<!doctype html>",
-            '<html lang="en">',
-            "<head>",
-            '<meta charset="utf-8">',
-            f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">',
-            '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            '<link rel="icon" href="data:,">',
-            f"<title>keypush: {title}</title>",
-            f"<style>\n{_STYLE.read_text(encoding='utf-8')}</style>",
-            "</head>",
-            "<body>",
-            f"<h1>{title}</h1>",
+            *page_head(gallery.title, _STYLE),
+            f"<h1>{escape(gallery.title)}</h1>",
             f"<p>{escape(gallery.lead)}</p>",
             f"<p>{escape(gallery.differing)}</p>",
             "<table>",

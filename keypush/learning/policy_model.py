@@ -10,7 +10,7 @@ from keypush.learning.kinds import read_sizes
 from keypush.learning.model import PolicyModel
 from keypush.learning.own_policy import own_model
 from keypush.learning.predict import read_model
-from keypush.policies import POLICIES, find_policy, is_own_policy, weights_name
+from keypush.policies import POLICIES, is_own_policy, weights_name
 
 
 def policy_weights(policy: str, given: str) -> tuple[Path, Any]:
@@ -59,7 +59,7 @@ def policy_model(policy: str, given: str) -> PolicyModel | None:
     """
     if is_own_policy(policy):
         return own_model(policy)
-    needs = find_policy(policy)
+    needs = POLICIES[policy]
     if policy == "expert":
         return None
     if policy == "centroid":

@@ -69,8 +69,8 @@ def _record(scenario: Scenario, episode: int) -> Recording:
     poses, targets = (np.asarray(rows[name], dtype=float) for name in ("object_pose", "target"))
     # A row is logged before the planner acts on it: its keypoint stands in the next row. Where the
     # policy failed at once there is none.
-    known = targets[1:] if len(targets) > 1 else np.full((1, 3), np.nan)
-    keypoints = np.concatenate([known, known[-1:]])[: len(targets)]
+    last = targets[-1:] if len(targets) > 1 else np.full((1, 3), np.nan)
+    keypoints = np.concatenate([targets[1:], last])
     goal = np.asarray(rows["goal"][0], dtype=float)
     add_observations(meshcat, runner.scenario, result.summary, poses, keypoints, goal)
     narration = narrate(scenario, result)

@@ -1,6 +1,6 @@
 """Recorded episodes as columns that can be split."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -51,9 +51,8 @@ class Episodes:
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """Classes of failure that are worth a column: a policy's own only where it occurs."""
-        seldom = bool((self["outcome"] == _SELDOM).any())
-        return tuple(name for name in FAILURES if name != _SELDOM or seldom)
+        """Classes of failure that are worth a column."""
+        return told_failures(set(self["outcome"]))
 
     def where(self, mask: NDArray[np.bool_]) -> "Episodes":
         """Returns the episodes of a mask (N,)."""
@@ -74,6 +73,15 @@ class Episodes:
         """Returns the values of a column in `order` that occur."""
         occurring = set(self[name])
         return [value for value in self.order[name] if value in occurring]
+
+
+def told_failures(occurring: Collection[str]) -> tuple[str, ...]:
+    """Returns the classes of failure that are worth a column: a policy's own only if it occurs.
+
+    Args:
+        occurring: outcomes that there are.
+    """
+    return tuple(name for name in FAILURES if name != _SELDOM or name in occurring)
 
 
 def gather_episodes(table: pa.Table) -> Episodes:

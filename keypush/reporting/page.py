@@ -1,19 +1,18 @@
 """A report as one page that needs no other file, no script and no network."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from html import escape
 from itertools import groupby
 from pathlib import Path
 
 from keypush import __version__
 from keypush.reporting.figure import Figure
+from keypush.reporting.page_head import page_head
 from keypush.reporting.report import Report, Section
 from keypush.reporting.runs import Recording
 from keypush.reporting.table import ReportTable, Row
 
 _STYLE = Path(__file__).with_name("style.css")
-_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
-"""Content security policy: browsers themselves refuse whatever the page does not carry."""
 
 
 def render_page(report: Report, recordings: Sequence[Recording]) -> str:
@@ -33,7 +32,7 @@ def render_page(report: Report, recordings: Sequence[Recording]) -> str:
         entries.append('<a href="#recordings">Recordings</a>')
     return "\n".join(
         [
-            *_head(report.title),
+            *page_head(report.title, _STYLE),
             "<header>",
             f"<h1>{escape(report.title)}</h1>",
             f'<p class="lead">{escape(report.lead)}</p>',
@@ -48,21 +47,6 @@ def render_page(report: Report, recordings: Sequence[Recording]) -> str:
             "</html>\n",
         ]
     )
-
-
-def _head(title: str) -> Iterator[str]:
-    yield "<!doctype html>"
-    yield '<html lang="en">'
-    yield "<head>"
-    yield '<meta charset="utf-8">'
-    yield f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
-    yield '<meta name="viewport" content="width=device-width, initial-scale=1">'
-    yield '<meta name="color-scheme" content="light dark">'
-    yield '<link rel="icon" href="data:,">'
-    yield f"<title>keypush: {escape(title)}</title>"
-    yield f"<style>\n{_STYLE.read_text(encoding='utf-8')}</style>"
-    yield "</head>"
-    yield "<body>"
 
 
 def _facts(report: Report) -> str:

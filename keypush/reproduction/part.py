@@ -41,7 +41,7 @@ class Part:
     @property
     def left(self) -> int:
         """Number of episodes that are still to run."""
-        return 0 if self.finished else self.job.total - finished_episodes([self.job], self.folder)
+        return 0 if self.finished else self.job.total - finished_episodes(self.job, self.folder)
 
     def run(self, *, workers: int, engine: EngineName) -> pa.Table:
         """Runs what is missing; keeps the records and drops the rows, which nothing else needs.
@@ -71,7 +71,7 @@ class Part:
 
     def _evaluate(self, workers: int, engine: EngineName) -> None:
         self.folder.mkdir(parents=True, exist_ok=True)
-        with timed([self.job], self.folder, workers):
+        with timed(self.job, self.folder, workers):
             run_conditions([self.job], self.folder, workers=workers, engine=engine)
         collect_records([self.job], self.folder)
 

@@ -2,13 +2,12 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from keypush.reporting.episodes import told_failures
 from keypush.reproduction.comparisons import Comparison, Results
 from keypush.reproduction.throughput import Session, rate
 
 _COMPARED = ("policy", "thesis", "ours", "95 % interval", "difference", "N")
 _NUMBERS = "---:"
-_SELDOM = "policy_failed"
-"""Has a column only where it occurs."""
 
 
 def comparison_table(first: str, lines: Sequence[Comparison]) -> str:
@@ -26,9 +25,9 @@ def comparison_table(first: str, lines: Sequence[Comparison]) -> str:
 def measures_table(results: Results, objects: Sequence[str]) -> str:
     """Lays out what else was measured of every policy, with objects as they are."""
     found = {policy: results.summary(policy, objects) for policy in results.policies}
-    kinds = ["toppled", "fell", "timed_out"]
-    if any(summary and _SELDOM in summary["failures"] for summary in found.values()):
-        kinds.append(_SELDOM)
+    kinds = told_failures(
+        {kind for summary in found.values() if summary for kind in summary["failures"]}
+    )
     headings = [
         "policy", "success", "settled success", *(kind.replace("_", " ") for kind in kinds),
         "steps (median)", "object path (m)", "tool path (m)", "keypoint error (mm)", "N",

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from keypush.atomic_file import write_whole
 from keypush.errors import UserError, one_line
-from keypush.evaluation.evaluate import condition_folders
 from keypush.rollout.job import Job
 
 TIMING_FILE = "timing.json"
@@ -26,32 +25,31 @@ class Session:
     workers: int
 
 
-def finished_episodes(jobs: Sequence[Job], out: Path) -> int:
+def finished_episodes(job: Job, folder: Path) -> int:
     """Counts the episodes of an evaluation whose files stand."""
     return sum(
         block.count
-        for job, folder in zip(jobs, condition_folders(jobs), strict=True)
         for block in job.blocks()
-        if (out / folder / "episodes" / f"{block.name}.parquet").exists()
+        if (folder / "episodes" / f"{block.name}.parquet").exists()
     )
 
 
 @contextmanager
-def timed(jobs: Sequence[Job], out: Path, workers: int) -> Iterator[None]:
+def timed(job: Job, folder: Path, workers: int) -> Iterator[None]:
     """Adds the session that runs inside to `timing.json`, however it ends.
 
     Raises:
         UserError: the file is damaged or cannot be written.
     """
-    sessions = read_sessions(out)
-    before, began = finished_episodes(jobs, out), time.monotonic()
+    sessions = read_sessions(folder)
+    before, began = finished_episodes(job, folder), time.monotonic()
     try:
         yield
     finally:
-        episodes, seconds = finished_episodes(jobs, out) - before, time.monotonic() - began
+        episodes, seconds = finished_episodes(job, folder) - before, time.monotonic() - began
         if episodes:
             session = Session(episodes=episodes, seconds=seconds, workers=workers)
-            _write([*sessions, session], out)
+            _write([*sessions, session], folder)
 
 
 def read_sessions(out: Path) -> list[Session]:

@@ -20,7 +20,7 @@ def _finish(out: Path, *firsts: int) -> None:
 
 
 def _finish_and_stop(out: Path) -> None:
-    with timed([JOB], out, workers=2):
+    with timed(JOB, out, workers=2):
         _finish(out, 0)
         raise KeyboardInterrupt
 
@@ -28,14 +28,14 @@ def _finish_and_stop(out: Path) -> None:
 def test_every_start_that_finished_something_is_a_session(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         _finish_and_stop(tmp_path)
-    with timed([JOB], tmp_path, workers=1):
+    with timed(JOB, tmp_path, workers=1):
         _finish(tmp_path, 10, 20)
-    with timed([JOB], tmp_path, workers=1):
+    with timed(JOB, tmp_path, workers=1):
         pass
     sessions = read_sessions(tmp_path)
     assert [(s.episodes, s.workers) for s in sessions] == [(10, 2), (15, 1)]
     assert all(session.seconds > 0 for session in sessions)
-    assert finished_episodes([JOB], tmp_path) == 25
+    assert finished_episodes(JOB, tmp_path) == 25
 
 
 def test_the_rate_is_over_all_sessions() -> None:
