@@ -14,7 +14,7 @@ def write_atomically(content: bytes, path: Path) -> None:
     Under its name a file is whole, also after a loss of power.
 
     Raises:
-        OSError: the file cannot be written; nothing is left of it.
+        OSError: the file cannot be written. Nothing is left of it, nor where Ctrl-C interrupts.
     """
     partial = path.with_name(f".{path.name}.{os.getpid()}{TEMPORARY_SUFFIX}")
     try:
@@ -23,7 +23,7 @@ def write_atomically(content: bytes, path: Path) -> None:
             file.flush()
             os.fsync(file.fileno())
         partial.replace(path)
-    except OSError:
+    except BaseException:
         partial.unlink(missing_ok=True)
         raise
 

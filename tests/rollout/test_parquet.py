@@ -54,3 +54,15 @@ def test_a_flipped_bit_is_noticed(tmp_path: Path) -> None:
     write_atomically(bytes(content), tmp_path / "a.parquet")
     with pytest.raises(OSError, match=r"(?i)crc"):
         pq.read_table(tmp_path / "a.parquet", page_checksum_verification=True)
+
+
+def test_an_interrupted_write_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(_file: int) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("os.fsync", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        write_atomically(b"content", tmp_path / "a.parquet")
+    assert list(tmp_path.iterdir()) == []
