@@ -4,6 +4,7 @@ import io
 import multiprocessing
 import os
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -12,6 +13,8 @@ from threading import Thread
 
 from keypush.errors import UserError
 from keypush.worker_environment import worker_environment
+
+_LOOK_SECONDS = 1e-3
 
 
 @contextmanager
@@ -31,6 +34,8 @@ def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
         for process in set(multiprocessing.active_children()) - others:
             process.kill()  # Lightning would answer a gentler signal after its epoch
             process.join()
+            while process.exitcode is None:  # the pool's own thread reaped it and is yet to say so
+                time.sleep(_LOOK_SECONDS)
 
 
 def run_all[Task, Answer](
