@@ -18,7 +18,7 @@ from keypush.scenario import Scenario
 
 PARTS = ("physics", "network", "reset", "python")
 """Drake's C++, also where a system asks for it; patches and network; drawing a start; systems."""
-_NETWORK = ("keypush.learning", "keypush.networks")
+_NETWORK = ("keypush.learning.inference", "keypush.learning.predict")
 
 
 def measure_policies(
