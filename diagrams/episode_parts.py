@@ -10,6 +10,7 @@ from keypush.objects.model import ObjectModel
 from keypush.scenario import Scenario
 from keypush.systems.episode_monitor import EpisodeMonitor
 from keypush.systems.push_planner import PushPlanner
+from keypush.systems.upright_estimator import UprightEstimator
 
 
 def connect(builder: DiagramBuilder, source: System, sink: System, names: list[str]) -> None:
@@ -35,10 +36,17 @@ def add_goal_and_monitor(
 def add_push_planner(
     builder: DiagramBuilder, station: Diagram, goal: ConstantVectorSource, scenario: Scenario
 ) -> PushPlanner:
-    """Adds a planner that pushes at a keypoint, whose port is left open."""
+    """Adds a planner that pushes at a keypoint, whose port is left open.
+
+    It gives way to an object that tilts, as the expert does, as far as the noisy cloud tells.
+    """
     arm, period = ArmKinematics(scenario.robot), scenario.episode.policy_period
     planner = PushPlanner(arm, scenario.planner, scenario.control, scenario.table, period)
+    upright = UprightEstimator(scenario.noise.cloud_points, period)
     builder.AddSystem(planner)
+    builder.AddSystem(upright)
+    connect(builder, station, upright, ["point_cloud"])
+    connect(builder, upright, planner, ["object_up"])
     connect(builder, station, planner, ["tool_pose", "arm_state"])
     builder.Connect(goal.get_output_port(), planner.GetInputPort("goal"))
     return planner

@@ -214,7 +214,7 @@ class PlannerConfig:
     reapproach_error: float = _number(0.015, 0.001, 0.2)
     """Lateral error beyond which the tool lets go and comes again."""
     wait_tilt_deg: float = _number(1.0, 0.0, 90.0)
-    """Tilt of the object from which the expert gives way while it grows; 90 is never."""
+    """Tilt of the object from which a push gives way while it grows; 90 is never."""
     reset_period: int = field(default=0, metadata={"range": (0, 100_000)})
     """Policy steps between two resets of the expert (0: never); the thesis has 20."""
     reset_retreat: float = _number(0.05, 0.0, 0.3)

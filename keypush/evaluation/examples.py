@@ -10,6 +10,7 @@ import pyarrow as pa
 
 from keypush.atomic_file import write_whole
 from keypush.errors import UserError
+from keypush.evaluation.condition import VARIED, Family, make_condition
 from keypush.evaluation.conditions import condition_name
 from keypush.evaluation.course import tell_course
 from keypush.evaluation.measures import measure_rows
@@ -17,7 +18,7 @@ from keypush.evaluation.records import RECORDS
 from keypush.recording.narration import final_distance
 from keypush.recording.recorder import record_episode
 from keypush.rollout.episode import EpisodeResult
-from keypush.scenario import Scenario, load_scenario
+from keypush.scenario import load_scenario
 from keypush.seeding import make_generator
 
 _TOLD = ("success", "settled_success", "outcome", "steps", "size_ratio", "com_capped")
@@ -122,7 +123,7 @@ def record_example(run: Path, record: Record, out: Path) -> Example:
     scenario = load_scenario(run / record["folder"] / "scenario.yaml")
     scenario = replace(scenario, object=replace(scenario.object, name=record["object"]))
     recording = record_episode(scenario, record["episode"])
-    condition = _condition(scenario)
+    condition = _condition(record)
     suffix = f"-{condition_name(scenario)}" if condition else ""
     page = out / f"{record['object']}-{record['episode']}{suffix}.html"
     write_whole(page, recording.html.encode())
@@ -150,16 +151,9 @@ def compare(record: Record, result: EpisodeResult) -> Iterator[str]:
             yield f"{name} was {record[name]}, is {now}"
 
 
-def _condition(scenario: Scenario) -> str:
-    usual = Scenario()
-    told = []
-    if scenario.object.size_ratio != usual.object.size_ratio:
-        told.append(f"size {scenario.object.size_ratio:g}")
-    if scenario.variation.com_shift != usual.variation.com_shift:
-        told.append(f"centre of mass shifted by {100 * scenario.variation.com_shift:g} cm")
-    if scenario.noise.cloud_deviation != usual.noise.cloud_deviation:
-        told.append(f"cloud noise {1000 * scenario.noise.cloud_deviation:g} mm")
-    return ", ".join(told)
+def _condition(record: Record) -> str:
+    condition = make_condition(*(record[name] for name in VARIED))
+    return "" if condition.family == Family.NOMINAL else condition.words
 
 
 def _end(result: EpisodeResult) -> str:

@@ -9,8 +9,8 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from keypush.errors import UserError
+from keypush.evaluation.condition import VARIED, Condition, Family, make_condition
 from keypush.evaluation.records import RECORDS
-from keypush.reporting.conditions import Condition, Family, make_condition
 from keypush.reporting.runs import RUN
 from keypush.systems.episode_monitor import Outcome
 
@@ -27,7 +27,6 @@ FAILURES = tuple(
 """Classes of failure."""
 _SELDOM = Outcome.POLICY_FAILED.name.lower()
 _START = ("object", "condition", "size_ratio", "seed", "episode")
-_VARIED = ("size_ratio", "com_shift", "cloud_deviation", "push_speed")
 
 
 @dataclass(frozen=True)
@@ -97,7 +96,7 @@ def gather_episodes(table: pa.Table) -> Episodes:
     columns = {name: _to_numpy(table[name]) for name in table.column_names}
     _check_names(columns, "set", SETS)
     _check_names(columns, "outcome", ("success", *FAILURES))
-    varied = [columns[name] for name in _VARIED]
+    varied = [columns[name] for name in VARIED]
     conditions = [
         make_condition(*values) for values in zip(*varied, _has_own_size(columns), strict=True)
     ]

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from keypush.evaluation.condition import Family
 from keypush.policies import POLICIES, find_policy, is_own_policy
 from keypush.reporting.comparison import compare_drivers
 from keypush.reporting.comparison_figure import comparison_figure
-from keypush.reporting.conditions import Family
 from keypush.reporting.detail_tables import effort_table, failure_table, reason_table
 from keypush.reporting.episodes import SETS, Episodes
 from keypush.reporting.figure import Drivers, Figure, number_drivers

@@ -1,5 +1,7 @@
 """PushPlanner: a keypoint and a goal become residual tool actions."""
 
+from typing import override
+
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.systems.framework import Context
@@ -19,6 +21,7 @@ class PushPlanner(StagedPlanner):
     input_ports:
     - keypoint
     - goal
+    - object_up (optional)
     - tool_pose
     - arm_state
     - halted
@@ -31,6 +34,9 @@ class PushPlanner(StagedPlanner):
     ``keypoint``: vector of 3, p_WK in m: where to touch the object.
 
     ``goal``: vector of 2, goal xy in W in m.
+
+    ``object_up``: vector of 3, where what was vertical in the object at rest points now, in W;
+    unconnected, the object is taken for upright, and a push does not give way to its tilt.
 
     ``tool_pose``: abstract `RigidTransform`, X_WE in m.
 
@@ -59,7 +65,14 @@ class PushPlanner(StagedPlanner):
         self.set_name("push_planner")
         self._keypoint = self.DeclareVectorInputPort("keypoint", 3)
         self._goal = self.DeclareVectorInputPort("goal", 2)
+        self._object_up = self.DeclareVectorInputPort("object_up", 3)
         self._declare_shared_ports()
+
+    @override
+    def _up(self, context: Context) -> NDArray[np.float64]:
+        if not self._object_up.HasValue(context):
+            return super()._up(context)
+        return eval_vector(self._object_up, context)
 
     def _aim(self, context: Context) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
         p_WK, goal = eval_vector(self._keypoint, context), eval_vector(self._goal, context)

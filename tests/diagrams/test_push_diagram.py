@@ -55,10 +55,12 @@ SEEN = {"station.point_cloud", "station.tool_pose", "goal.y0", "episode_monitor.
 @pytest.mark.parametrize("policy", [name for name in POLICIES if name != "expert"])
 def test_a_policy_sees_the_cloud_and_of_the_truth_at_most_the_centre_of_mass(policy: str) -> None:
     wires = _wires(_push(policy))
-    systems = ("keypoint_predictor", "push_planner", "behavior_cloning_policy")
+    estimator = "upright_estimator"
+    systems = ("keypoint_predictor", estimator, "push_planner", "behavior_cloning_policy")
     seen = {source for sink, source in wires.items() if sink.split(".")[0] in systems}
     acts, uses_com = POLICIES[policy].acts, POLICIES[policy].uses_com
-    planned = set() if acts else {"station.arm_state", "keypoint_predictor.keypoint"}
+    own = {"keypoint_predictor.keypoint", f"{estimator}.object_up"}
+    planned = set() if acts else {"station.arm_state", *own}
     assert seen == SEEN | planned | ({"station.object_com"} if uses_com else set())
 
 
@@ -68,7 +70,7 @@ def test_expert_and_learned_policy_share_everything_else() -> None:
         for p in ("expert", "centroid", "behavior_cloning")
     ]
     assert systems[0] - systems[1] == {"expert_planner"}
-    assert systems[1] - systems[0] == {"push_planner", "keypoint_predictor"}
+    assert systems[1] - systems[0] == {"push_planner", "keypoint_predictor", "upright_estimator"}
     assert systems[2] - systems[0] == {"behavior_cloning_policy"}
 
 

@@ -8,9 +8,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from keypush.errors import UserError
+from keypush.evaluation.condition import Condition, Family, make_condition
 from keypush.evaluation.records import RECORDS_FILE
 from keypush.reporting.comparison import compare_drivers
-from keypush.reporting.conditions import Condition, Family, make_condition
 from keypush.reporting.episodes import gather_episodes
 from keypush.reporting.runs import find_recordings, read_runs
 from tests.reporting.made_up import failed, gathered, many_records, record, write_run

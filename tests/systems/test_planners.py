@@ -49,7 +49,10 @@ def test_ports() -> None:
         "in": {"object_pose": None, "object_com": 3, "goal": 2, **TOOL},
         "out": OUTPUTS,
     }
-    assert ports(_pusher().planner) == {"in": {"keypoint": 3, "goal": 2, **TOOL}, "out": OUTPUTS}
+    assert ports(_pusher().planner) == {
+        "in": {"keypoint": 3, "goal": 2, "object_up": 3, **TOOL},
+        "out": OUTPUTS,
+    }
 
 
 def test_outputs_are_pure_and_the_context_resets(loop: ClosedLoop) -> None:
@@ -175,3 +178,20 @@ def test_without_a_reset_period_the_expert_never_lets_go() -> None:
     for _ in range(6):
         loop.simulator.AdvanceTo(loop.simulator.get_context().get_time() + PERIOD)
         assert loop.stage == Stage.PUSH
+
+
+@pytest.mark.parametrize("seen", [True, False])
+def test_the_pusher_gives_way_to_a_growing_tilt_where_it_sees_it(seen: bool) -> None:
+    loop = _pusher()
+    if seen:
+        loop.fix("object_up", [0.0, 0.0, 1.0])
+    loop.run_until(Stage.PUSH)
+    d_W = push_direction(KEYPOINT, GOAL)
+    forward = []
+    for tilt in np.deg2rad([0.0, 0.8, 1.6, 2.4]):
+        if seen:
+            loop.fix("object_up", [np.sin(tilt), 0.0, np.cos(tilt)])
+        loop.simulator.AdvanceTo(loop.simulator.get_context().get_time() + PERIOD)
+        forward.append(loop.output("tool_action")[:3] @ d_W)
+    assert min(forward[:2]) > 0.0
+    assert (max(forward[2:]) < 0.0) == seen

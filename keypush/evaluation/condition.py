@@ -7,12 +7,14 @@ import numpy as np
 
 from keypush.scenario import NoiseConfig, PlannerConfig
 
+VARIED = ("size_ratio", "com_shift", "cloud_deviation", "push_speed")
+"""Columns of a record that a condition is made of."""
 _CLOUD_DEVIATION = NoiseConfig().cloud_deviation
 _PUSH_SPEED = PlannerConfig().push_speed
 
 
 class Family(StrEnum):
-    """Kinds of conditions that a report treats apart."""
+    """Kinds of conditions."""
 
     NOMINAL = "nominal"
     SIZE = "other sizes"
@@ -72,7 +74,10 @@ def make_condition(
     push_speed: float,
     varied_size: bool = False,
 ) -> Condition:
-    """Makes a condition of recorded numbers; NaN, where something plays no part, is nominal."""
+    """Makes a condition of recorded numbers, in the order of `VARIED`.
+
+    NaN, where something plays no part, is nominal.
+    """
     return Condition(
         cloud_deviation=_number(cloud_deviation, _CLOUD_DEVIATION),
         push_speed=_number(push_speed, _PUSH_SPEED),
