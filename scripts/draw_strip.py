@@ -19,8 +19,8 @@ from keypush.recording.recorder import record_episode
 from keypush.scenario import parse_scenario
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
-SCENARIO = "{policy: surface_no_com, object: {name: bumpy_toy}}"
-EPISODE = 4
+SCENARIO = "{policy: surface_no_com, object: {name: star_prism}}"
+EPISODE = 9
 _PANEL, _GAP = 394, 8
 """Four panels and three gaps are 1600 pixels."""
 _COLOURS = 256

@@ -93,7 +93,8 @@ class RayEngine:
             _check_address(os.environ.get("RAY_ADDRESS", ""))
             try:
                 ray.init(logging_level=logging.ERROR, log_to_driver=False)
-            except (ConnectionError, ValueError, RuntimeError) as error:
+            # Ray raises a bare Exception where its own node is too slow to start.
+            except Exception as error:
                 raise UserError(f"--engine ray: no cluster answers: {one_line(error)}") from error
             self._connected_here = True
         # An actor that found no free core would hold its block for ever.
