@@ -14,8 +14,8 @@ from keypush.learning.ablation.config import (
     SEEDS,
     AblationConfig,
     AblationHead,
-    AblationPretraining,
 )
+from keypush.learning.pretraining.config import PretrainConfig
 
 
 @dataclass(kw_only=True)
@@ -48,7 +48,7 @@ class Ablate:
     that are given go before."""
     head: AblationHead = field(default_factory=AblationHead)
     """Settings of every head."""
-    pretraining: AblationPretraining = field(default_factory=AblationPretraining)
+    pretraining: PretrainConfig = field(default_factory=PretrainConfig)
     """Settings of every encoder's pretraining."""
 
     def run(self) -> None:

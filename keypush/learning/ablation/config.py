@@ -25,19 +25,11 @@ class AblationHead(ImitationConfig):
     """Rows of each object that are trained on, drawn from all of its rows; 0: every row."""
 
 
-@dataclass(kw_only=True)
-class AblationPretraining(PretrainConfig):
-    """Settings of every encoder."""
-
-    epochs: int = number(25, 1, 100_000)
-    """Times that new scenes are drawn; after each, the state is kept and the network measured."""
-
-
 _SET_BY_ABLATION: Mapping[type, tuple[str, ...]] = {
     AblationHead: (
         "heads", "use_com", "held_out_objects", "cache", "patience", "accelerator", "devices",
     ),
-    AblationPretraining: (
+    PretrainConfig: (
         "encoder.layers", "encoder.patch_size", "held_out_objects", "patience", "accelerator",
         "devices",
     ),
@@ -56,7 +48,7 @@ class AblationConfig:
     """Objects that nothing is trained on; empty: the catalogue's 4 of 16."""
     head: AblationHead = field(default_factory=AblationHead)
     """Of every head."""
-    pretraining: AblationPretraining = field(default_factory=AblationPretraining)
+    pretraining: PretrainConfig = field(default_factory=PretrainConfig)
     """Of every encoder."""
 
     def validate(self) -> None:

@@ -3,9 +3,10 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from keypush.learning.ablation.config import AblationConfig, AblationHead, AblationPretraining
+from keypush.learning.ablation.config import AblationConfig, AblationHead
 from keypush.learning.ablation.results import Ablation, Encoder, Epoch, Training
 from keypush.learning.ablation.settings import SETTINGS, SHAPES, Setting
+from keypush.learning.pretraining.config import PretrainConfig
 from keypush.objects.catalogue import catalogue_names
 from tests.learning.synthetic import write_data
 
@@ -25,7 +26,7 @@ def short_config(**head: int) -> AblationConfig:
     return AblationConfig(
         seeds=(0,),
         head=AblationHead(**small),  # type: ignore[arg-type]  # all of them are whole numbers
-        pretraining=AblationPretraining(
+        pretraining=PretrainConfig(
             epochs=2, samples_per_epoch=64, batch=32, clouds_per_object=2, validation_samples=16
         ),
     )

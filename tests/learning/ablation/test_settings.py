@@ -6,8 +6,9 @@ from typing import Any
 import pytest
 
 from keypush.errors import UserError
-from keypush.learning.ablation.config import AblationConfig, AblationHead, AblationPretraining
+from keypush.learning.ablation.config import AblationConfig, AblationHead
 from keypush.learning.ablation.settings import SETTINGS, SHOWN
+from keypush.learning.pretraining.config import PretrainConfig
 from keypush.networks.config import EncoderConfig
 from tests.learning.ablation.sample import HELD_OUT
 
@@ -67,10 +68,10 @@ def test_a_setting_decides_the_sizes_and_a_seed_the_head_alone() -> None:
             r"head\.held_out_objects is \['mug'\]; allowed: \[\]",
         ),
         (
-            {"pretraining": AblationPretraining(encoder=EncoderConfig(layers=3))},
+            {"pretraining": PretrainConfig(encoder=EncoderConfig(layers=3))},
             r"pretraining\.encoder\.layers is 3; allowed: 2",
         ),
-        ({"pretraining": AblationPretraining(epochs=0)}, r"epochs is 0; allowed: 1 to"),
+        ({"pretraining": PretrainConfig(epochs=0)}, r"epochs is 0; allowed: 1 to"),
     ],
 )  # fmt: skip
 def test_settings_that_would_spoil_the_comparison_are_named(
