@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -20,6 +21,7 @@ from tests.rollout.short_scenarios import (
 )
 
 pytestmark = pytest.mark.slow
+OWN_POLICY = f"{Path(__file__).parents[2] / 'scripts' / 'own_policy.py'}:RearPoint"
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +49,17 @@ def _job() -> Job:
 def test_ray_writes_the_same_bytes(alone: Path, tmp_path: Path) -> None:
     run_job(_job(), tmp_path, engine="ray")
     assert bytes_of(tmp_path) == bytes_of(alone)
+
+
+@pytest.mark.usefixtures("cluster")
+def test_a_policy_of_ones_own_drives_there_too(tmp_path: Path) -> None:
+    job = replace(_job(), scenario=replace(short_scenario(), policy=OWN_POLICY), episodes=2)
+    ray_too, alone = tmp_path / "ray", tmp_path / "alone"
+    for folder in (ray_too, alone):
+        folder.mkdir()
+    run_job(job, ray_too, engine="ray")
+    run_job(job, alone, workers=1)
+    assert bytes_of(ray_too) == bytes_of(alone)
 
 
 @pytest.mark.usefixtures("cluster")
