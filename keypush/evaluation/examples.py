@@ -10,10 +10,10 @@ import pyarrow as pa
 
 from keypush.atomic_file import write_whole
 from keypush.errors import UserError
-from keypush.evaluation.condition import VARIED, Family, make_condition
 from keypush.evaluation.conditions import condition_name
 from keypush.evaluation.course import tell_course
 from keypush.evaluation.measures import measure_rows
+from keypush.evaluation.recorded_condition import VARIED, Family, make_condition
 from keypush.evaluation.records import RECORDS
 from keypush.recording.narration import final_distance
 from keypush.recording.recorder import record_episode

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
-from keypush.evaluation.condition import Family
+from keypush.evaluation.recorded_condition import Family
 from keypush.reporting.episodes import Episodes
 from keypush.reporting.paired import holm, mcnemar_p, tango_interval
 from keypush.reporting.words import MINUS

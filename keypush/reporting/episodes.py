@@ -9,7 +9,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from keypush.errors import UserError
-from keypush.evaluation.condition import VARIED, Condition, Family, make_condition
+from keypush.evaluation.recorded_condition import VARIED, Condition, Family, make_condition
 from keypush.evaluation.records import RECORDS
 from keypush.reporting.runs import RUN
 from keypush.systems.episode_monitor import Outcome

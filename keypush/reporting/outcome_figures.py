@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from keypush.evaluation.condition import Family
+from keypush.evaluation.recorded_condition import Family
 from keypush.reporting.episodes import Episodes
 from keypush.reporting.figure import Figure, LegendEntry, Panel
 from keypush.reporting.svg import WIDTH, Drawing, symbol

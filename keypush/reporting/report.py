@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from keypush.evaluation.condition import Family
+from keypush.evaluation.recorded_condition import Family
 from keypush.policies import POLICIES, find_policy, is_own_policy
 from keypush.reporting.comparison import compare_drivers
 from keypush.reporting.comparison_figure import comparison_figure

@@ -12,6 +12,8 @@ from keypush.planning.push_frame import push_direction
 from keypush.scenario import ControlConfig, PlannerConfig, TableConfig
 from keypush.systems.staged_planner import SHORT_OF_GOAL, StagedPlanner
 
+_UPRIGHT = np.array([0.0, 0.0, 1.0])
+
 
 class PushPlanner(StagedPlanner):
     """Pushes at a keypoint towards the goal: d = (g - k)/|g - k| (thesis, equation 4.2).
@@ -71,7 +73,7 @@ class PushPlanner(StagedPlanner):
     @override
     def _up(self, context: Context) -> NDArray[np.float64]:
         if not self._object_up.HasValue(context):
-            return super()._up(context)
+            return _UPRIGHT
         return eval_vector(self._object_up, context)
 
     def _aim(self, context: Context) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:

@@ -64,9 +64,9 @@ class StagedPlanner(LeafSystem):
     def _aim(self, context: Context) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
         """Returns the contact p_WK (3,), the direction d_W (3,) and how far to push, m."""
 
-    def _up(self, context: Context) -> NDArray[np.float64]:  # noqa: ARG002 (a hook, like the next)
-        """Returns where the object's axes point up (3,); a constant where that is not seen."""
-        return np.array([0.0, 0.0, 1.0])
+    @abstractmethod
+    def _up(self, context: Context) -> NDArray[np.float64]:
+        """Returns a direction (3,) that turns as far as the object tilts."""
 
     def _reset_offset(  # a hook: only the expert looks at its arguments
         self,

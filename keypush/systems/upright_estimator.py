@@ -9,9 +9,9 @@ from keypush.planning.registration import register_rotation
 
 Array = NDArray[np.float64]
 
-REST_STEPS = 10
-"""Policy steps whose clouds are averaged to know the object at rest: a tool that starts high up
-and away from it needs three times as long to be there."""
+REST_SECONDS = 1.0
+"""Time in which clouds are averaged to know the object at rest, s: a tool that starts high up and
+away from it needs three times as long to be there."""
 _NEW = 0.5
 """Share of the newest cloud in the estimate."""
 _COUNT, _UP, _SUM = 0, slice(1, 4), 4
@@ -32,11 +32,11 @@ class UprightEstimator(LeafSystem):
     ``point_cloud``: vector of 3 N, points p_WP in W in m, one after the other, fixed on the
     object's surface and always in the same order.
 
-    ``object_up``: vector of 3, that direction in W, a unit vector; Wz for the first
-    `REST_STEPS` policy steps. Its angle with Wz is the object's tilt, however the object turned
+    ``object_up``: vector of 3, that direction in W, a unit vector; Wz in the first
+    `REST_SECONDS`. Its angle with Wz is the object's tilt, however the object turned
     about the vertical.
 
-    The clouds of those steps are averaged, later ones registered to them, and the answers
+    The clouds of that time are averaged, later ones registered to them, and the answers
     smoothed over about two steps: at 5 mm noise the tilt of an object of 10 cm then comes with a
     deviation of some 0.2 degrees.
     """
@@ -45,6 +45,7 @@ class UprightEstimator(LeafSystem):
         """Args: number N of points of the cloud; period in s."""
         super().__init__()
         self.set_name("upright_estimator")
+        self._rest_steps = max(1, round(REST_SECONDS / policy_period))
         self._cloud = self.DeclareVectorInputPort("point_cloud", 3 * points)
         self.DeclareDiscreteState(np.concatenate([[0.0], _Z, np.zeros(3 * points)]))
         self._object_up = self.DeclareVectorOutputPort("object_up", 3, self._calc_up)
@@ -53,9 +54,9 @@ class UprightEstimator(LeafSystem):
     def _estimate(self, context: Context) -> Array:
         """Returns the direction from the context's cloud and what is remembered."""
         held = context.get_discrete_state(0).value()
-        if held[_COUNT] < REST_STEPS:
+        if held[_COUNT] < self._rest_steps:
             return _Z
-        at_rest = held[_SUM:].reshape(-1, 3) / REST_STEPS
+        at_rest = held[_SUM:].reshape(-1, 3) / self._rest_steps
         turn = register_rotation(at_rest, eval_vector(self._cloud, context).reshape(-1, 3))
         up = (1.0 - _NEW) * held[_UP] + _NEW * turn.matrix()[:, 2]
         return np.asarray(up / np.linalg.norm(up))
@@ -65,7 +66,7 @@ class UprightEstimator(LeafSystem):
 
     def _update(self, context: Context, state: State) -> EventStatus:
         values = np.array(context.get_discrete_state(0).value())
-        if values[_COUNT] < REST_STEPS:
+        if values[_COUNT] < self._rest_steps:
             values[_COUNT] += 1
             values[_SUM:] += eval_vector(self._cloud, context)
         else:

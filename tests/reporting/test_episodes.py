@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from keypush.errors import UserError
-from keypush.evaluation.condition import Condition, Family, make_condition
+from keypush.evaluation.recorded_condition import Condition, Family, make_condition
 from keypush.evaluation.records import RECORDS_FILE
 from keypush.reporting.comparison import compare_drivers
 from keypush.reporting.episodes import gather_episodes

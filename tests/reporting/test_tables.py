@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from keypush.evaluation.condition import Family
+from keypush.evaluation.recorded_condition import Family
 from keypush.evaluation.wilson import wilson_interval
 from keypush.reporting.comparison import compare_drivers
 from keypush.reporting.detail_tables import effort_table, failure_table, reason_table

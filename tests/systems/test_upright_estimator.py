@@ -6,10 +6,11 @@ from numpy.typing import NDArray
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.systems.analysis import Simulator
 
-from keypush.systems.upright_estimator import REST_STEPS, UprightEstimator
+from keypush.systems.upright_estimator import REST_SECONDS, UprightEstimator
 from tests.systems.contract import assert_pure, assert_resets, ports
 
 PERIOD, POINTS, NOISE = 0.1, 512, 0.005
+REST_STEPS = round(REST_SECONDS / PERIOD)
 P_OP = np.random.default_rng(1).uniform(-0.05, 0.05, size=(POINTS, 3))
 
 
