@@ -7,10 +7,8 @@ import trimesh
 from manifold3d import Error, Manifold, OpType
 
 from keypush.objects.importing.result import Faces, Vertices
+from keypush.objects.importing.topology import NO_VOLUME
 from keypush.objects.manifolds import to_manifold
-
-_NOTHING = 1e-9
-"""Volume, in a mesh of size 1, below which there is no inside."""
 
 
 def as_solid(vertices: Vertices, faces: Faces) -> Manifold | None:
@@ -25,7 +23,7 @@ def as_solid(vertices: Vertices, faces: Faces) -> Manifold | None:
     if whole.status() != Error.NoError or whole.is_empty():
         return None
     pieces = [_outwards(piece) for piece in whole.decompose()]
-    return join([piece for piece in pieces if piece.volume() > _NOTHING])
+    return join([piece for piece in pieces if piece.volume() > NO_VOLUME])
 
 
 def join(solids: Sequence[Manifold]) -> Manifold | None:
@@ -33,7 +31,7 @@ def join(solids: Sequence[Manifold]) -> Manifold | None:
     if not solids:
         return None
     whole = solids[0] if len(solids) == 1 else Manifold.batch_boolean(list(solids), OpType.Add)
-    good = whole.status() == Error.NoError and whole.volume() > _NOTHING
+    good = whole.status() == Error.NoError and whole.volume() > NO_VOLUME
     return whole if good else None
 
 

@@ -10,11 +10,17 @@ from keypush.objects.importing.decimate import decimate_solid
 from keypush.objects.importing.holes import fill_holes
 from keypush.objects.importing.manifolds import as_solid, join
 from keypush.objects.importing.result import Faces, Vertices
-from keypush.objects.importing.topology import compact, face_areas, orient, signed_volume
+from keypush.objects.importing.topology import (
+    NO_VOLUME,
+    compact,
+    face_areas,
+    orient,
+    piece_volumes,
+    signed_volume,
+)
 from keypush.objects.importing.wrap import CELLS, wrap
 
 _FEW = 0.01
-_FLAT = 1e-9
 _INSIDE = 0.4
 _COARSE_CELLS = CELLS // 2
 
@@ -43,8 +49,8 @@ def repair(surface: Cleaned) -> Repaired:
     solid = as_solid(surface.vertices, surface.faces)
     if solid is None:
         solid = _close(surface.vertices, surface.faces, notes)
-    elif signed_volume(surface.vertices, surface.faces) < 0:
-        notes.append("turned all faces outwards")
+    else:
+        _tell_inverted(surface, notes)
     fewer = decimate_solid(solid)
     if fewer is None:
         notes.append("too many small parts to keep: took a coarse solid around them")
@@ -62,6 +68,15 @@ def convex_hull(vertices: Vertices) -> Manifold:
     hull = Manifold.hull_points(np.ascontiguousarray(vertices))
     fewer = hull if hull.is_empty() else decimate_solid(hull)
     return hull if fewer is None else fewer
+
+
+def _tell_inverted(surface: Cleaned, notes: list[str]) -> None:
+    """Says which pieces of a closed surface `as_solid` turned outwards."""
+    inverted = piece_volumes(surface.vertices, surface.faces) < 0
+    if inverted.all():
+        notes.append("turned all faces outwards")
+    elif inverted.any():
+        notes.append(f"pieces that faced inwards turned, cavities filled: {inverted.sum()}")
 
 
 def _close(vertices: Vertices, faces: Faces, notes: list[str]) -> Manifold:
@@ -116,7 +131,7 @@ def _close_pieces(
             result.open.append(piece)
             continue
         closed, holes = filled
-        if abs(signed_volume(vertices, closed)) < _FLAT:
+        if abs(signed_volume(vertices, closed)) < NO_VOLUME:
             result.flat += 1
             continue
         solid = as_solid(*compact(vertices, closed))

@@ -11,6 +11,9 @@ from keypush.objects.importing.result import Faces, Vertices
 
 Indices = NDArray[np.int64]
 
+NO_VOLUME = 1e-9
+"""Volume, in a mesh of size 1, below which there is no inside."""
+
 
 @dataclass(frozen=True)
 class Edges:
@@ -75,6 +78,14 @@ def orient(faces: Faces) -> tuple[Faces, Indices, Indices]:
     turn ^= mostly[pieces]
     one_sided = np.unique(pieces[cover[:m] == cover[m:]])
     return np.where(turn[:, None], faces[:, ::-1], faces), pieces, one_sided
+
+
+def piece_volumes(vertices: Vertices, faces: Faces) -> Vertices:
+    """Returns the signed volumes of the pieces of a closed surface that enclose one."""
+    _, pieces = np.unique(piece_labels(faces, len(vertices)), return_inverse=True)
+    a, b, c = np.moveaxis(vertices[faces], 1, 0)
+    volumes = np.bincount(pieces.reshape(-1), np.einsum("ij,ij->i", a, np.cross(b, c)) / 6)
+    return volumes[np.abs(volumes) > NO_VOLUME]
 
 
 def signed_volume(vertices: Vertices, faces: Faces) -> float:

@@ -78,6 +78,10 @@ NORMALS = trimesh.creation.box().face_normals
         (changed(FACES[NORMALS[:, 2] < 0.5]), 1.0, "holes closed: 1"),
         (changed(FACES[1:]), 1.0, "holes closed: 1"),
         (changed(FACES[:, ::-1]), 1.0, "turned all faces outwards"),
+        (joined(box(), changed(FACES[:, ::-1]).apply_translation([3, 0, 0])), 2.0,
+         "pieces that faced inwards turned, cavities filled: 1"),
+        (joined(box(), changed(FACES[:, ::-1]).apply_scale(0.5)), 1.0,
+         "pieces that faced inwards turned, cavities filled: 1"),
         (changed(np.vstack([FACES[::3, ::-1], FACES[1::3], FACES[2::3]])), 1.0, ""),
         (changed(np.vstack([FACES, FACES[:5]])), 1.0, "faces there twice, one dropped: 5"),
         (changed(np.vstack([FACES, FACES[:, ::-1]])), 1.0,
@@ -85,7 +89,8 @@ NORMALS = trimesh.creation.box().face_normals
         (changed(np.vstack([FACES, FACES[:5, [0, 0, 1]]])), 1.0, "faces without area dropped: 5"),
     ],
     ids=["box", "overlapping", "sharing a face", "sharing an edge", "apart", "a side missing",
-         "a face missing", "inverted", "some turned", "some twice", "both sides", "collapsed"],
+         "a face missing", "inverted", "a part inverted", "a cavity",
+         "some turned", "some twice", "both sides", "collapsed"],
 )  # fmt: skip
 def test_the_volume_is_right(
     imported: Run, mesh: Mesh, volume: float, note: str, form: str
