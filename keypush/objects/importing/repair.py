@@ -73,10 +73,9 @@ def convex_hull(vertices: Vertices) -> Manifold:
 def _tell_inverted(surface: Cleaned, notes: list[str]) -> None:
     """Says which pieces of a closed surface `as_solid` turned outwards."""
     inverted = piece_volumes(surface.vertices, surface.faces) < 0
-    if inverted.all():
-        notes.append("turned all faces outwards")
-    elif inverted.any():
-        notes.append(f"pieces that faced inwards turned, cavities filled: {inverted.sum()}")
+    if inverted.any():
+        some = f"pieces that faced inwards turned, cavities filled: {inverted.sum()}"
+        notes.append("turned all faces outwards" if inverted.all() else some)
 
 
 def _close(vertices: Vertices, faces: Faces, notes: list[str]) -> Manifold:
