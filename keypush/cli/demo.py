@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from keypush.cli.options import Policy, ScenarioOptions, resolve_scenario
-from keypush.cli.output import prepare_output_dir, save_scenario, write_output
+from keypush.cli.output import DEMO, prepare_output_dir, save_scenario, write_output
 
 
 @dataclass(kw_only=True)
@@ -28,7 +28,7 @@ class Demo(ScenarioOptions):
     def run(self) -> None:
         """Runs the verb."""
         scenario = resolve_scenario(self, object__name=self.object, policy=self.policy)
-        out = prepare_output_dir(self.out)
+        out = prepare_output_dir(self.out, holds=DEMO)
         from keypush.recording.narration import final_distance
         from keypush.recording.recorder import record_episode
 

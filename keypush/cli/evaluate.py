@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import tyro
 
 from keypush.cli.options import OBJECTS, Policy, ScenarioOptions, resolve_scenario
-from keypush.cli.output import prepare_output_dir
+from keypush.cli.output import EVALUATION, prepare_output_dir
 from keypush.cli.parallel_options import ParallelOptions, make_job
 from keypush.errors import UserError
 
@@ -44,11 +44,17 @@ class Evaluate(ScenarioOptions, ParallelOptions):
 
         from keypush.evaluation.conditions import grid
         from keypush.evaluation.evaluate import evaluate, evaluation_report, write_report
+        from keypush.policies import find_policy
         from keypush.seeding import evaluation_seed
 
         if self.record_failures < 0:
             raise UserError(f"--record-failures is {self.record_failures}; allowed: 0 or more")
         scenario = resolve_scenario(self, policy=self.policy, predictor__weights=self.weights)
+        if self.weights is not None and find_policy(scenario.policy).weights_kind is None:
+            raise UserError(
+                f"--weights is {self.weights!r}, but policy {scenario.policy} has none; "
+                "allowed: a policy that has learned, or no weights"
+            )
         scenario = replace(scenario, seed=evaluation_seed(scenario.seed))
         values = {
             "sizes": self.sizes,
@@ -58,7 +64,7 @@ class Evaluate(ScenarioOptions, ParallelOptions):
         conditions = grid(scenario, values)
         job = make_job(scenario, self, option="episodes", episodes=self.episodes)
         jobs = [replace(job, scenario=condition) for condition in conditions]
-        out = prepare_output_dir(self.out)
+        out = prepare_output_dir(self.out, holds=EVALUATION)
         records = evaluate(jobs, out, workers=self.workers, engine=self.engine)
         report = evaluation_report(scenario, jobs, records)
         path = write_report(report, out)

@@ -10,15 +10,35 @@ if TYPE_CHECKING:
     from keypush.scenario import Scenario
 
 
-def prepare_output_dir(path: Path) -> Path:
+EVALUATION, REPRODUCTION = "an evaluation", "a reproduction"
+DATA_SET, DEMO = "a data set", "a demo"
+_MARKS = {
+    "job.yaml": EVALUATION,
+    "conditions": EVALUATION,
+    "tables.md": REPRODUCTION,
+    "meta": DATA_SET,
+    "collecting": DATA_SET,
+}
+"""What a folder holds in which there is a file or folder of this name."""
+
+
+def prepare_output_dir(path: Path, holds: str | None = None) -> Path:
     """Makes a folder, with its parents, and writes a probe into it.
 
     Permission bits say nothing to root and nothing on read-only file systems, so only a
     real file proves that the folder can be written.
 
+    Args:
+        path: the folder.
+        holds: what it is going to hold, where that must not get among other results: files of
+            the same name would take each other's place.
+
     Raises:
-        UserError: the folder cannot be made or written.
+        UserError: the folder cannot be made or written, or holds something else.
     """
+    for mark, held in _MARKS.items():
+        if holds not in (None, held) and (path / mark).exists():
+            raise UserError(f"output folder {path}: holds {held} ({mark}); allowed: another folder")
     try:
         path.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=path):

@@ -32,6 +32,8 @@ class Report:
         """Runs the verb."""
         if not self.runs:
             raise UserError("no RUN is given; allowed: one or more folders of evaluations")
+        if self.markdown is not None and self.markdown.resolve() == self.out.resolve():
+            raise UserError(f"--out and --markdown are both {self.out}; allowed: two files")
         from keypush.reporting.differences import find_differences
         from keypush.reporting.episodes import gather_episodes
         from keypush.reporting.markdown import render_markdown

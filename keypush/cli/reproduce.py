@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from keypush.cli.output import prepare_output_dir
+from keypush.cli.output import REPRODUCTION, prepare_output_dir
 from keypush.cli.parallel_options import WorkerOptions, check_positive
 
 
@@ -35,7 +35,7 @@ class Reproduce(WorkerOptions):
         check_positive("workers", self.workers)
         policies = self.policies or REPRODUCED
         check_policies(policies)
-        out = prepare_output_dir(self.out)
+        out = prepare_output_dir(self.out, holds=REPRODUCTION)
         reproduce(
             PLANS[self.scale],
             policies,

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from keypush.dataset.arrays import to_array
@@ -15,6 +14,7 @@ from keypush.objects.library import USER_GROUP
 from keypush.planning.plan_state import Stage
 from keypush.policies import find_policy
 from keypush.rollout.job import Block, Job
+from keypush.rollout.shard import read_shard
 from keypush.scenario import Scenario
 
 _COLUMNS = ["episode", "stage", "object_pose", "tool_pose", "goal", "contact_point", "target"]
@@ -76,9 +76,9 @@ def _block_records(
     block: Block, folder: Path, shared: Mapping[str, Any]
 ) -> Iterator[dict[str, Any]]:
     file = f"{block.name}.parquet"
-    table = pq.read_table(folder / "rows" / file, columns=_COLUMNS)
+    table = read_shard(folder / "rows" / file, _COLUMNS)
     columns = {name: to_array(table[name]) for name in _COLUMNS}
-    summaries = pq.read_table(folder / "episodes" / file)
+    summaries = read_shard(folder / "episodes" / file, _TOLD)
     # Only who may fail has a column for the reason.
     wanted = [name for name in (*_TOLD, "reason") if name in summaries.column_names]
     for told in summaries.select([*wanted, "final_position"]).to_pylist():

@@ -1,5 +1,6 @@
 """Two Parquet files: made of an episode, joined to those of a block, checked when a job resumes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -43,7 +44,7 @@ def make_shard(result: EpisodeResult) -> Shard:
 
 
 def check_shard(rows: Path, episodes: Path, block: Block, seed: int) -> int:
-    """Checks that two files hold what a block should; reads their keys only.
+    """Checks that two files hold what a block should, undamaged.
 
     Returns:
         The number of episodes that succeeded.
@@ -51,16 +52,37 @@ def check_shard(rows: Path, episodes: Path, block: Block, seed: int) -> int:
     Raises:
         UserError: a file cannot be read, lacks a column, or holds other episodes; names it.
     """
-    summaries = _read(episodes, _EPISODE_KEYS)
+    summaries = read_shard(episodes, _EPISODE_KEYS)
     numbers = range(block.first, block.first + block.count)
     found = [(s["object"], s["seed"], s["episode"]) for s in summaries.to_pylist()]
     if found != [(block.object, seed, number) for number in numbers]:
         raise _damaged(episodes, f"holds other episodes than {block}")
-    keys = _read(rows, _ROW_KEYS)
+    keys = read_shard(rows, _ROW_KEYS)
     steps = summaries["steps"].to_pylist()
     if not _rows_agree(keys, block, seed, steps):
         raise _damaged(rows, f"holds other rows than those of {block}")
     return sum(summaries["success"].to_pylist())
+
+
+def read_shard(path: Path, columns: Sequence[str]) -> pa.Table:
+    """Reads a file of a shard, all of it, so that damage anywhere is found.
+
+    Args:
+        path: the file.
+        columns: that it must have; it may have more.
+
+    Raises:
+        UserError: it cannot be read, a checksum is wrong, or it lacks a column; names it.
+    """
+    try:
+        table = pq.read_table(path, page_checksum_verification=True)
+    # A damaged footer may hold names that are no text.
+    except (OSError, ValueError, pa.ArrowException) as error:
+        raise _damaged(path, f"cannot be read: {one_line(error)}") from error
+    missing = set(columns) - set(table.column_names)
+    if missing:
+        raise _damaged(path, f"lacks the columns {', '.join(sorted(missing))}")
+    return table
 
 
 def shard_columns(rows: Any, episodes: Any) -> tuple[pa.Schema, list[str]]:
@@ -87,16 +109,6 @@ def _rows_agree(keys: pa.Table, block: Block, seed: int, steps: list[int]) -> bo
         and np.array_equal(step, whole)
         and bool(np.all(lengths >= steps))
     )
-
-
-def _read(path: Path, columns: list[str]) -> pa.Table:
-    try:
-        missing = set(columns) - set(pq.read_schema(path).names)
-        if missing:
-            raise _damaged(path, f"lacks the columns {', '.join(sorted(missing))}")
-        return pq.read_table(path, columns=columns, page_checksum_verification=True)
-    except (OSError, pa.ArrowException) as error:
-        raise _damaged(path, f"cannot be read: {one_line(error)}") from error
 
 
 def _damaged(path: Path, found: str) -> UserError:

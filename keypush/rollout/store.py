@@ -62,7 +62,8 @@ class EpisodeStore:
                 or cannot be written; names the file, and the first field that differs.
         """
         try:
-            _write_description(job, self.folder)
+            if not self._has_episodes():
+                _write_description(job, self.folder)
             for name in _KINDS:
                 (self.folder / name).mkdir(exist_ok=True)
         except OSError as error:
@@ -109,6 +110,11 @@ class EpisodeStore:
     def kept(self) -> str:
         """Says, for a message, what is there already."""
         return f"finished episodes are kept in {self.folder}"
+
+    def _has_episodes(self) -> bool:
+        """Whether anything was run already, so that its description cannot be written anew."""
+        places = (self.folder, self._unfinished)
+        return any(any((place / name).glob("*.parquet")) for place in places for name in _KINDS)
 
     def _look_for(self, block: Block, seed: int, found: Found) -> None:
         """Adds what is there of a block, and what is not."""

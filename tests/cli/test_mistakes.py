@@ -57,6 +57,15 @@ MISTAKES: list[tuple[list[str], list[str]]] = [
     (["evaluate", "--cloud-noise", "1", "--out", "e"], ["--cloud-noise: noise.cloud_deviation"]),
     (["evaluate", "--com-shifts", "0", "0", "--out", "e"], ["--com-shifts has 0 twice"]),
     (["evaluate", "--record-failures", "-1", "--out", "e"], ["--record-failures is -1"]),
+    (
+        ["evaluate", "--policy", "geometric", "--weights", "surface", "--out", "e"],
+        ["--weights is 'surface', but policy geometric has none; allowed: a policy that has"],
+    ),
+    (["evaluate", "--out", "reproduction"], ["reproduction: holds a reproduction (tables.md)"]),
+    (["evaluate", "--out", "data"], ["output folder data: holds a data set (meta)"]),
+    (["reproduce", "--scale", "quick", "--out", "evaluation"], ["holds an evaluation (job.yaml)"]),
+    (["reproduce", "--scale", "quick", "--out", "several"], ["holds an evaluation (conditions)"]),
+    (["demo", "--out", "evaluation"], ["output folder evaluation: holds an evaluation (job.yaml)"]),
     (["collect", "--workers", "0", "--out", "c"], ["--workers is 0"]),
     (["collect", "--seed", "1000000", "--out", "c"], ["seed is 1000000", "0 to 999999"]),
     (["demo", "--policy", "expert", "--out", "file"], ["output folder file", "exists"]),
@@ -79,6 +88,13 @@ def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "binary.yaml").write_bytes(b"\xff\xfe\x00")
     (folder / "file").write_text("")
     (folder / "folder").mkdir()
+    for mark in (
+        "evaluation/job.yaml",
+        "several/conditions",
+        "reproduction/tables.md",
+        "data/meta",
+    ):
+        (folder / mark).mkdir(parents=True)
     return folder
 
 

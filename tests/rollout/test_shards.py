@@ -39,13 +39,19 @@ def _cut(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-20])
 
 
-def _flip(path: Path) -> None:
-    group = pq.ParquetFile(path).metadata.row_group(0)
-    columns = [group.column(i) for i in range(group.num_columns)]
-    (episode,) = (column for column in columns if column.path_in_schema == "episode")
-    content = bytearray(path.read_bytes())
-    content[episode.dictionary_page_offset + episode.total_compressed_size - 1] ^= 1
-    path.write_bytes(content)
+def _flip(*names: str) -> Damage:
+    """Damages the one of these columns that a file has."""
+
+    def flip(path: Path) -> None:
+        group = pq.ParquetFile(path).metadata.row_group(0)
+        columns = [group.column(i) for i in range(group.num_columns)]
+        (found,) = (column for column in columns if column.path_in_schema in names)
+        content = bytearray(path.read_bytes())
+        start = found.dictionary_page_offset or found.data_page_offset
+        content[start + found.total_compressed_size - 1] ^= 1
+        path.write_bytes(content)
+
+    return flip
 
 
 def _empty(path: Path) -> None:
@@ -84,7 +90,8 @@ def _of_another_seed(path: Path) -> None:
 BOTH: list[tuple[Damage, str]] = [
     (_cut, "cannot be read"),
     (_empty, "cannot be read"),
-    (_flip, "cannot be read"),
+    (_flip("episode"), "cannot be read"),
+    (_flip("v.list.element", "outcome"), "cannot be read"),
     (_without("episode"), "lacks the columns episode"),
     (_with_another_column, "extra"),
     (_of_another_object, "holds other"),
@@ -128,6 +135,14 @@ def test_new_blocks_do_not_mix_with_old_columns(folder: Path) -> None:
     _without("v")(folder / "rows" / "plate-000000.parquet")
     with pytest.raises(UserError, match=r"can-000000\.parquet: its columns are not .*\(v\)"):
         run_job(_job(), folder, workers=1)
+
+
+@pytest.mark.parametrize("name", ["job.yaml", "scenario.yaml"])
+def test_a_lost_description_is_not_made_up(name: str, folder: Path) -> None:
+    (folder / name).unlink()
+    with pytest.raises(UserError, match=f"{name}: cannot be read: .*No such file"):
+        EpisodeStore(folder).open(_job())
+    assert not (folder / name).exists()
 
 
 @pytest.mark.parametrize("name", ["job.yaml", "scenario.yaml"])
