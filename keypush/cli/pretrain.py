@@ -9,6 +9,7 @@ import tyro
 from keypush.cli.options import OBJECTS
 from keypush.cli.output import prepare_output_dir
 from keypush.learning.pretraining.config import PretrainConfig
+from keypush.rollout.folder_lock import hold_folder
 
 
 @dataclass(kw_only=True)
@@ -38,7 +39,9 @@ class Pretrain:
         out = prepare_output_dir(self.out)
         from keypush.learning.pretraining.train import WEIGHTS, pretrain
 
-        for name, kinds in pretrain(self.objects, self.measure_on, out, self.training).items():
+        with hold_folder(out):
+            scored = pretrain(self.objects, self.measure_on, out, self.training)
+        for name, kinds in scored.items():
             for kind, scores in kinds.items():
                 print(
                     f"{name}, {kind.replace('_', ' ')}: average precision "

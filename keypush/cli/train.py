@@ -9,6 +9,7 @@ from keypush.cli.output import prepare_output_dir
 from keypush.errors import UserError
 from keypush.learning.config import TrainingConfig
 from keypush.learning.imitation.config import ImitationConfig
+from keypush.rollout.folder_lock import hold_folder
 
 _SHIPPED_ENCODER = "contact"
 Network = Literal["surface_keypoint", "keypoint", "behavior_cloning"]
@@ -46,7 +47,8 @@ class Train:
         """Runs the verb."""
         self._check()
         out = prepare_output_dir(self.out)
-        metrics = self._train_surface(out) if self._is_surface else self._train_head(out)
+        with hold_folder(out):
+            metrics = self._train_surface(out) if self._is_surface else self._train_head(out)
         for name, value in metrics.items():
             if name != "history":
                 print(f"{name}: {value}")

@@ -188,6 +188,15 @@ def fit(module: EpochModule, out_dir: Path, identity: Mapping[str, Any], **optio
     module.cpu().eval()
 
 
+def refuse_other_run(out_dir: Path, identity: Mapping[str, Any]) -> None:
+    """Checks that a folder holds no run with another identity.
+
+    Raises:
+        UserError: it does, or a damaged checkpoint.
+    """
+    read_checkpoint(out_dir / CHECKPOINTS / LAST, identity)
+
+
 def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> dict[str, Any] | None:
     """Reads the checkpoint of an earlier run; None when there is none.
 

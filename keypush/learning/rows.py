@@ -107,6 +107,8 @@ def _read_columns(dataset: DataSet, numbers: pa.ChunkedArray) -> dict[str, NDArr
     parts: dict[str, list[NDArray[Any]]] = {name: [] for name in wanted}
     for table in dataset.batches([*wanted.values(), *_ONLY_CHECKED]):
         mine = table.filter(pc.is_in(table["episode_index"], value_set=numbers))
+        if not len(mine):
+            continue
         _check_finite(dataset.folder, mine)
         for name, field in wanted.items():
             values = to_array(mine[field])

@@ -7,6 +7,7 @@ from keypush.scenario_check import check_values
 
 PRECISIONS = ("32", "bf16")
 ACCELERATORS = ("cpu", "gpu", "auto")
+LARGEST_SEED = 2**53
 
 
 def number(default: float, low: float, high: float) -> Any:
@@ -23,7 +24,7 @@ def choice(default: str, allowed: tuple[str, ...]) -> Any:
 class RunConfig:
     """How a run goes; see `lightning_run`."""
 
-    seed: int = number(0, 0, 2**53)
+    seed: int = number(0, 0, LARGEST_SEED)
     """Root of every random draw."""
     epochs: int = number(8, 1, 10_000)
     """Passes over the rows."""

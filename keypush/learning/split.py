@@ -32,7 +32,8 @@ def split_rows(rows: Rows, usable: NDArray[np.bool_], config: DataConfig) -> Spl
         config: settings.
 
     Raises:
-        UserError: a held-out object is not in the data, or too few episodes have labels.
+        UserError: a held-out object is not in the data or has no label there, or too few
+            episodes have labels.
     """
     names = np.array([name for name, _ in rows.objects])
     unknown = sorted(set(config.held_out_objects) - set(names.tolist()))
@@ -41,6 +42,12 @@ def split_rows(rows: Rows, usable: NDArray[np.bool_], config: DataConfig) -> Spl
             f"held_out_objects has {', '.join(unknown)}; allowed: {', '.join(sorted(set(names)))}"
         )
     held_out = np.isin(names, config.held_out_objects)[rows.object_index] & usable
+    silent = set(config.held_out_objects) - set(names[rows.object_index[held_out]])
+    if silent:
+        raise UserError(
+            f"held_out_objects has {', '.join(sorted(silent))}, of which no frame has a label; "
+            "allowed: objects that the expert touched"
+        )
     usable = usable & ~held_out
     episodes = np.unique(rows.episode[usable])
     if len(episodes) < 2:
@@ -48,7 +55,7 @@ def split_rows(rows: Rows, usable: NDArray[np.bool_], config: DataConfig) -> Spl
             f"data: {len(episodes)} episodes have labelled rows to train on; allowed: at least 2"
         )
     make_generator(config.seed, 0, "validation_split").shuffle(episodes)
-    count = max(1, round(config.validation_share * len(episodes)))
+    count = min(max(1, round(config.validation_share * len(episodes))), len(episodes) - 1)
     validation = np.isin(rows.episode, episodes[:count]) & usable
     return Split(*(
         torch.from_numpy(np.flatnonzero(mask))

@@ -13,6 +13,7 @@ from safetensors.torch import load_file
 
 from keypush.cli.main import main
 from keypush.resources import weights_dir
+from keypush.rollout.folder_lock import hold_folder
 from tests.cli.command import KEYPUSH
 from tests.learning.imitation.sample import SAMPLE, write_encoder
 
@@ -51,6 +52,17 @@ def test_heads_stand_on_the_encoder_that_ships(tmp_path: Path) -> None:
     assert main([*arguments, *small]) == 0
     shipped = weights_dir() / "contact.safetensors"
     assert (out / "contact.safetensors").read_bytes() == shipped.read_bytes()
+
+
+@pytest.mark.parametrize(
+    "arguments", [["train", "--data", str(SAMPLE)], ["pretrain", "--objects", "can"]]
+)
+def test_one_training_at_a_time_is_at_work_in_a_folder(
+    arguments: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with hold_folder(tmp_path):
+        assert main([*arguments, "--out", str(tmp_path)]) == 2
+    assert f"{tmp_path}: another run is at work in it" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,8 @@
+import shutil
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
 from keypush.dataset.arrays import to_array
@@ -37,6 +39,13 @@ def test_failed_episodes_are_left_out_unless_wanted(data_dir: Path) -> None:
     kept = np.isin(every.episode, rows.episode)
     np.testing.assert_array_equal(rows.object_pose, every.object_pose[kept])
     np.testing.assert_array_equal(rows.object_index, every.object_index[kept])
+
+
+def test_a_row_group_without_a_success_is_passed_over(data_dir: Path, tmp_path: Path) -> None:
+    data = shutil.copytree(data_dir, tmp_path / "data")
+    (file,) = data.glob("data/*/*.parquet")
+    pq.write_table(pq.read_table(file), file, row_group_size=STEPS)
+    np.testing.assert_array_equal(read_rows(data).object_pose, read_rows(data_dir).object_pose)
 
 
 def test_the_measured_label_is_the_keypoint_that_is_stored(data_dir: Path) -> None:

@@ -8,7 +8,6 @@ from keypush.atomic_file import write_whole
 from keypush.errors import UserError
 from keypush.learning.ablation.config import AblationConfig
 from keypush.learning.clouds import surface_samplers
-from keypush.learning.imitation.train import HeadData
 from keypush.learning.rows import Rows
 from keypush.objects.catalogue import catalogue_names
 
@@ -32,20 +31,6 @@ def check_objects(data_dir: Path, rows: Rows, config: AblationConfig) -> tuple[s
         )
     surface_samplers([(name, 1.0) for name in sorted(names)])
     return tuple(sorted(names))
-
-
-def check_held_out(data: HeadData) -> None:
-    """Checks that there is something to measure on.
-
-    Raises:
-        UserError: an object has no labelled frame.
-    """
-    for name, index in data.selection.held_out.items():
-        if not len(index):
-            raise UserError(
-                f"held_out_objects has {name}, of which no frame has a label; allowed: objects "
-                "that the expert touched"
-            )
 
 
 def claim_folder(out_dir: Path, identity: dict[str, Any]) -> None:

@@ -9,7 +9,7 @@ from keypush.errors import UserError
 from keypush.learning.ablation.settings import Setting, Shape
 from keypush.learning.imitation.config import ImitationConfig
 from keypush.learning.pretraining.config import PretrainConfig
-from keypush.learning.run_config import number
+from keypush.learning.run_config import LARGEST_SEED, number
 from keypush.objects.catalogue import catalogue_names
 
 SEEDS = (0, 1, 2)
@@ -19,7 +19,7 @@ SEEDS = (0, 1, 2)
 class AblationHead(ImitationConfig):
     """Settings of every head."""
 
-    seed: int = number(0, 0, 2**53)
+    seed: int = number(0, 0, LARGEST_SEED)
     """Draws rows and clouds, which are the same for all settings and `seeds`."""
     rows_per_object: int = number(10_000, 0, 10**9)
     """Rows of each object that are trained on, drawn from all of its rows; 0: every row."""
@@ -57,9 +57,12 @@ class AblationConfig:
         Raises:
             UserError: names the field, what it holds and what is allowed.
         """
-        if not self.seeds or len(set(self.seeds)) < len(self.seeds) or min(self.seeds) < 0:
+        good = self.seeds and min(self.seeds) >= 0 and max(self.seeds) <= LARGEST_SEED
+        if not good or len(set(self.seeds)) < len(self.seeds):
             found = " ".join(map(str, self.seeds)) or "empty"
-            raise UserError(f"seeds is {found}; allowed: whole numbers from 0, each once")
+            raise UserError(
+                f"seeds is {found}; allowed: whole numbers from 0 to {LARGEST_SEED}, each once"
+            )
         for section in ("head", "pretraining"):
             config = getattr(self, section)
             _check_kept(section, config)

@@ -10,7 +10,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from keypush.learning.ablation.checks import check_held_out, check_objects, claim_folder
+from keypush.learning.ablation.checks import check_objects, claim_folder
 from keypush.learning.ablation.config import AblationConfig
 from keypush.learning.ablation.cost import encoding_seconds, head_seconds, pretraining_seconds
 from keypush.learning.ablation.encoders import (
@@ -90,7 +90,6 @@ def run_ablation(
     rows = read_rows(data_dir, keep_failures=config.head.keep_failures)
     objects = check_objects(data_dir, rows, config)
     data = head_data(KIND, rows, data_dir, config.rows)
-    check_held_out(data)
     claim_folder(out_dir, {**config.identity(), "data": data.digest})
     plan = _Plan(
         out_dir=out_dir,

@@ -8,8 +8,6 @@ from keypush.learning.config import DataConfig
 from keypush.learning.run_config import PRECISIONS, choice, number
 from keypush.networks.config import WIDTH
 
-KINDS = ("keypoint", "behavior_cloning")
-
 
 @dataclass(kw_only=True)
 class ImitationConfig(DataConfig):

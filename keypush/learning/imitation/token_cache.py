@@ -8,11 +8,10 @@ import os
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import override
+from typing import Any, override
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from tqdm import tqdm
 
 from keypush.atomic_file import write_whole
@@ -132,7 +131,7 @@ def scenes_of_object(
 
 
 def _encode_all(
-    stored: NDArray[np.int16],
+    stored: np.memmap[Any, np.dtype[np.int16]],
     examples: Examples,
     encoder: PatchTransformerEncoder,
     config: ImitationConfig,
@@ -148,6 +147,7 @@ def _encode_all(
                 tokens = encode(encoder, scenes, config.encoder_precision).to(torch.bfloat16)
                 stored[index.numpy()] = tokens.cpu().view(torch.int16).numpy()
                 progress.update(len(index))
+            stored.flush()  # After a loss of power nothing counts as done that is not on the disk.
             content = {"key": key, "objects_done": number + 1}
             write_whole(state, json.dumps(content).encode())
 

@@ -11,6 +11,7 @@ import torch
 
 from keypush.atomic_file import write_whole
 from keypush.dataset.read import open_dataset
+from keypush.errors import UserError
 from keypush.learning.card import weights_path
 from keypush.learning.checkpoint import load_network, parameter_count, save_network
 from keypush.learning.clips import Clips
@@ -22,7 +23,7 @@ from keypush.learning.imitation.selection import Selection, select_rows
 from keypush.learning.imitation.targets import make_targets
 from keypush.learning.imitation.token_cache import FOLDER, cache_tokens
 from keypush.learning.imitation.token_source import FreshTokens, TokenSource
-from keypush.learning.lightning_run import check_accelerator, fit, one_thread
+from keypush.learning.lightning_run import check_accelerator, fit, one_thread, refuse_other_run
 from keypush.learning.record import command_line, data_record, digest_of, git_revision
 from keypush.learning.rows import Rows, read_rows
 from keypush.learning.tensors import encoder_record
@@ -85,18 +86,21 @@ def train_imitation(
     """
     config.validate()
     check_accelerator(config)
+    _check_encoder_name(kind, weights_path(encoder))
     network = make_network(kind, encoder, config)
     rows = read_rows(data_dir, keep_failures=config.keep_failures)
     surface_samplers([(name, 1.0) for name in sorted({name for name, _ in rows.objects})])
     data = head_data(kind, rows, data_dir, config)
     standing_on = encoder_record(weights_path(encoder))
+    identity = {"kind": kind, "encoder": standing_on["sha256"]}
+    # Before the cache is made anew, which takes long and is of no use to the run that is there.
+    refuse_other_run(out_dir, _identity(data, config, identity))
     with one_thread():
         tokens = (
             cache_tokens(out_dir / FOLDER, data.examples, network.encoder, config, tell)
             if config.cache
             else FreshTokens(data.examples, network.encoder, config)
         )
-    identity = {"kind": kind, "encoder": standing_on["sha256"]}
     metrics = train_head(network, data, tokens, out_dir, config, identity)
     record = {
         "parameters": parameter_count(network.head),
@@ -160,7 +164,7 @@ def train_head(
         UserError: see `fit`.
     """
     module = ImitationModule(network, data.examples, data.selection, tokens, data.clips, config)
-    fit(module, out_dir, {**dataclasses.asdict(config), "data": data.digest, **identity})
+    fit(module, out_dir, _identity(data, config, identity))
     with one_thread():
         return {
             "history": module.history,
@@ -188,6 +192,20 @@ def make_network(kind: str, encoder: str | Path, config: ImitationConfig) -> Net
     network.encoder.load_state_dict(contact.encoder.state_dict())
     network.eval()
     return network
+
+
+def _identity(data: HeadData, config: ImitationConfig, more: Mapping[str, str]) -> dict[str, Any]:
+    """Returns what decides the weights."""
+    return {**dataclasses.asdict(config), "data": data.digest, **more}
+
+
+def _check_encoder_name(kind: str, encoder: Path) -> None:
+    """Checks that head and copied encoder do not take each other's place."""
+    if encoder.stem == kind:
+        raise UserError(
+            f"encoder {encoder}: has the name of the file that is going to be written beside it; "
+            f"allowed: any but {kind}.safetensors"
+        )
 
 
 def _put_beside(encoder: Path, out_dir: Path) -> None:

@@ -58,6 +58,7 @@ def test_a_setting_decides_the_sizes_and_a_seed_the_head_alone() -> None:
         ({"seeds": ()}, "seeds is empty; allowed: whole numbers"),
         ({"seeds": (1, 1)}, "seeds is 1 1; allowed"),
         ({"seeds": (-1,)}, "seeds is -1; allowed"),
+        ({"seeds": (0, 2**64)}, "seeds is 0 18446744073709551616; allowed: .* to 9007199254740992"),
         ({"head": AblationHead(heads=16)}, r"head\.heads is 16; allowed: 8, because"),
         ({"head": AblationHead(use_com=False)}, r"head\.use_com is False; allowed: True"),
         ({"head": AblationHead(cache=False)}, r"head\.cache is False; allowed: True"),

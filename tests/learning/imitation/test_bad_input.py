@@ -14,6 +14,7 @@ from keypush.dataset.arrays import to_array, to_column
 from keypush.errors import UserError
 from keypush.learning.checkpoint import save_network
 from keypush.learning.config import TrainingConfig
+from keypush.learning.imitation.token_cache import FOLDER
 from keypush.learning.lightning_run import CHECKPOINTS, LAST
 from keypush.learning.train import train as train_surface
 from keypush.objects import library
@@ -101,11 +102,24 @@ def test_bad_encoders_are_named(encoder: Path, tmp_path: Path) -> None:
         train("keypoint", tmp_path / "out", Path("nothing"))
 
 
+def test_an_encoder_with_the_name_of_the_head_is_refused(encoder: Path, tmp_path: Path) -> None:
+    mine = shutil.copy(encoder, tmp_path / "keypoint.safetensors")
+    shutil.copy(encoder.with_suffix(".json"), tmp_path / "keypoint.json")
+    with pytest.raises(UserError, match=r"has the name of the file .* any but keypoint\.safe"):
+        train("keypoint", tmp_path, mine)
+    assert mine.read_bytes() == encoder.read_bytes()
+
+
 def test_a_folder_with_another_run_is_refused(encoder: Path, tmp_path: Path) -> None:
     train("keypoint", tmp_path / "out", encoder, epochs=1)
     last = r"last\.ckpt: is from a run with other values of"
     with pytest.raises(UserError, match=rf"{last} epochs;"):
         train("keypoint", tmp_path / "out", encoder, epochs=2)
+    state = tmp_path / "out" / FOLDER / "tokens.json"
+    cached = state.read_bytes()
+    with pytest.raises(UserError, match=rf"{last} data, seed;"):
+        train("keypoint", tmp_path / "out", encoder, epochs=1, seed=5)
+    assert state.read_bytes() == cached
     with pytest.raises(UserError, match=rf"{last} data, kind;"):
         train("behavior_cloning", tmp_path / "out", encoder, epochs=1)
     (tmp_path / "out" / CHECKPOINTS / LAST).write_bytes(b"damaged")
