@@ -29,7 +29,7 @@ def test_the_revision_is_that_of_the_code_and_not_of_a_checkout_around_it(
     subprocess.run(["git", "init", "-q", tmp_path], check=True)
     shutil.copy(own, tmp_path)
     who = ["-c", "user.name=a", "-c", "user.email=a@b"]
-    commit = ["git", "-C", tmp_path, *who, "commit", "-q", "-m", "theirs"]
+    commit = ["git", "-C", str(tmp_path), *who, "commit", "-q", "-m", "theirs"]
     subprocess.run([*commit, "--allow-empty"], check=True)
     monkeypatch.setattr(record, "__file__", str(tmp_path / own.name))
     assert git_revision() == "unknown"

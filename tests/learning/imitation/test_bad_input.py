@@ -103,7 +103,7 @@ def test_bad_encoders_are_named(encoder: Path, tmp_path: Path) -> None:
 
 
 def test_an_encoder_with_the_name_of_the_head_is_refused(encoder: Path, tmp_path: Path) -> None:
-    mine = shutil.copy(encoder, tmp_path / "keypoint.safetensors")
+    mine = Path(shutil.copy(encoder, tmp_path / "keypoint.safetensors"))
     shutil.copy(encoder.with_suffix(".json"), tmp_path / "keypoint.json")
     with pytest.raises(UserError, match=r"has the name of the file .* any but keypoint\.safe"):
         train("keypoint", tmp_path, mine)
