@@ -3,14 +3,16 @@
     scripts/uv.sh run scripts/study_data_size.py DATA ENCODER MEASURED OUT [ROWS_PER_OBJECT...]
 
 Trains the thesis' network with the centre of mass on so many rows of every object of DATA (0: all)
-and measures it on the episodes of MEASURED as `offline_errors.py` does. Every training takes the
-same number of optimiser steps, so that only what they are taken on differs. What is trained stays
-in OUT and is not trained again; `errors.json` and `errors.png` lie there in the end.
+and measures it on the episodes of MEASURED as `offline_errors.py` does. Every training takes about
+as many optimiser steps as the usual passes over all rows, so that what they are taken on differs
+and few rows are not at a disadvantage. What is trained stays in OUT and is not trained again;
+`errors.json` and `errors.png` lie there in the end.
 """
 
 import json
 import shutil
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,21 +23,23 @@ from keypush.dataset.read import open_dataset
 from keypush.learning.imitation.config import ImitationConfig
 from keypush.learning.imitation.train import train_imitation
 
-SAMPLES = 6_400_000
-"""Rows that a training sees, those that it sees again counted again."""
 ROWS = [625, 2_500, 10_000, 40_000, 0]
 """With 16 objects: 10 000 rows, four times as many, and so on, and all."""
 _SPLITS = {"train": "objects trained on", "id": "like them", "ood": "unlike them"}
 
 
 def settings(data: Path, rows: int) -> ImitationConfig:
-    """Returns those of a training, whose passes follow from `SAMPLES`."""
+    """Returns those of a training: fewer rows are seen more often."""
+    usual = ImitationConfig(rows_per_object=rows)
+    if not rows:
+        return usual
     dataset = open_dataset(data)
-    seen = rows * len(set(dataset.episodes["object"].to_pylist())) if rows else dataset.frames
-    epochs = max(1, round(SAMPLES / seen))
-    halved = ImitationConfig.epochs // ImitationConfig.halve_every
-    return ImitationConfig(
-        rows_per_object=rows, epochs=epochs, halve_every=max(1, round(epochs / halved))
+    every = (1 - usual.validation_share) * dataset.frames
+    factor = every / (rows * len(set(dataset.episodes["object"].to_pylist())))
+    return replace(
+        usual,
+        epochs=round(usual.epochs * factor),
+        halve_every=round(usual.halve_every * factor),
     )
 
 
