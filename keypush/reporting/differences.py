@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
-import yaml
 
 from keypush.reporting.runs import RUN
+from keypush.reporting.settings import read_settings
 
 _COMPARED = {
     "policy", "predictor.weights", "seed", "object.name", "object.size_ratio", "variation.size",
@@ -43,34 +43,17 @@ def find_differences(table: pa.Table) -> str:
 
 
 def _settings(folder: Path) -> Iterator[tuple[str, str]]:
-    scenario, job = _read(folder / "scenario.yaml"), _read(folder / "job.yaml")
+    scenario, job = (read_settings(folder / name) for name in ("scenario.yaml", "job.yaml"))
     if "keypush" in job:
         yield "keypush", str(job["keypush"])
     for name, what in _FILES.items():
         if name in job:
             yield f"{what} of {_driver(scenario)}", str(job[name])[:8]
-    for name, value in _flat(scenario):
+    for name, value in scenario.items():
         if name not in _COMPARED:
             yield name, str(value)
 
 
 def _driver(scenario: dict[str, Any]) -> str:
-    policy, weights = scenario.get("policy"), scenario.get("predictor", {}).get("weights", "auto")
+    policy, weights = scenario.get("policy"), scenario.get("predictor.weights", "auto")
     return f"{policy}{'' if weights == 'auto' else f' with {weights}'}"
-
-
-def _read(path: Path) -> dict[str, Any]:
-    """What a file holds; nothing where it is missing or no mapping: the records stand alone."""
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError):
-        return {}
-    return content if isinstance(content, dict) else {}
-
-
-def _flat(section: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    for name, value in section.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", value

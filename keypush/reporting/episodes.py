@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from keypush.errors import UserError
 from keypush.evaluation.recorded_condition import VARIED, Condition, Family, make_condition
 from keypush.evaluation.records import RECORDS
+from keypush.reporting.drivers import name_drivers
 from keypush.reporting.runs import RUN
 from keypush.systems.episode_monitor import Outcome
 
@@ -33,9 +34,9 @@ _START = ("object", "condition", "size_ratio", "seed", "episode")
 class Episodes:
     """Episodes, one entry per episode in every column.
 
-    Beside the columns of `RECORDS`: driver (the policy, with its weights where there are
-    several), condition (`Condition.words`), family (`Family`), start (a number that is the same
-    for episodes of the same object, condition, size, seed and number).
+    Beside the columns of `RECORDS`: driver (see `name_drivers`), condition
+    (`Condition.words`), family (`Family`), start (a number that is the same for episodes of the
+    same object, condition, size, seed and number).
     """
 
     columns: Mapping[str, NDArray[Any]]
@@ -100,7 +101,7 @@ def gather_episodes(table: pa.Table) -> Episodes:
     conditions = [
         make_condition(*values) for values in zip(*varied, _has_own_size(columns), strict=True)
     ]
-    columns["driver"] = _drivers(columns["policy"], columns["weights"])
+    columns["driver"] = name_drivers(columns)
     columns["condition"] = np.array([condition.words for condition in conditions])
     columns["family"] = np.array([str(condition.family) for condition in conditions])
     columns["start"] = _number_rows(columns, _START)
@@ -122,20 +123,6 @@ def _check_names(
             f"{columns[RUN][first]}: {name} is {str(columns[name][first])!r}; "
             f"allowed: {', '.join(allowed)}"
         )
-
-
-def _drivers(policies: NDArray[Any], weights: NDArray[Any]) -> NDArray[Any]:
-    """Names who drove: the policy alone, unless it drove with different weights."""
-    pairs = set(zip(policies, weights, strict=True))
-    several = {policy for policy, _ in pairs if sum(other == policy for other, _ in pairs) > 1}
-    return np.array(
-        [
-            f"{policy} ({file.removesuffix('.safetensors') or 'no weights'})"
-            if policy in several
-            else policy
-            for policy, file in zip(policies, weights, strict=True)
-        ]
-    )
 
 
 def _has_own_size(columns: Mapping[str, NDArray[Any]]) -> NDArray[np.bool_]:
