@@ -12,10 +12,10 @@ from keypush.evaluation.conditions import condition_name
 from keypush.evaluation.evaluate import collect_records, run_conditions
 from keypush.evaluation.records import RECORDS_FILE, read_records
 from keypush.reproduction.plan import Plan
-from keypush.reproduction.throughput import finished_episodes, timed
+from keypush.reproduction.throughput import timed
 from keypush.rollout.job import Job
 from keypush.rollout.make_engine import EngineName
-from keypush.rollout.store import compare_description
+from keypush.rollout.store import compare_description, finished_episodes
 
 
 @dataclass(frozen=True, kw_only=True)

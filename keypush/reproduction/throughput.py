@@ -10,6 +10,7 @@ from pathlib import Path
 from keypush.atomic_file import write_whole
 from keypush.errors import UserError, one_line
 from keypush.rollout.job import Job
+from keypush.rollout.store import finished_episodes
 
 TIMING_FILE = "timing.json"
 
@@ -19,19 +20,10 @@ class Session:
     """One start of the command that finished episodes."""
 
     episodes: int
-    """In blocks that were finished."""
+    """That were finished."""
     seconds: float
-    """From the start of the workers to their end; also what was spent on unfinished blocks."""
+    """From the start of the workers to their end; also what was spent on unfinished episodes."""
     workers: int
-
-
-def finished_episodes(job: Job, folder: Path) -> int:
-    """Counts the episodes of an evaluation whose files stand."""
-    return sum(
-        block.count
-        for block in job.blocks()
-        if (folder / "episodes" / f"{block.name}.parquet").exists()
-    )
 
 
 @contextmanager

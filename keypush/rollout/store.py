@@ -19,6 +19,7 @@ from keypush.scenario import dump_scenario
 
 _KINDS = ("rows", "episodes")
 _PARTIAL = f".*{TEMPORARY_SUFFIX}"
+_UNFINISHED = "unfinished"
 
 
 @dataclass
@@ -43,7 +44,7 @@ class EpisodeStore:
     def __init__(self, folder: Path) -> None:
         """Args: the job's folder, which exists."""
         self.folder = folder
-        self._unfinished = folder / "unfinished"
+        self._unfinished = folder / _UNFINISHED
         self._block_of: dict[Block, Block] = {}
         self._columns: tuple[pa.Schema, list[str]] | None = None
 
@@ -191,6 +192,17 @@ class EpisodeStore:
             f"{path}: cannot be written: {error.strerror or one_line(error)}; {self.kept()}, "
             "and the same command goes on from them"
         )
+
+
+def finished_episodes(job: Job, folder: Path) -> int:
+    """Counts the episodes of a job whose files stand, in blocks and single ones, unchecked."""
+    return sum(_finished(block, folder) for block in job.blocks())
+
+
+def _finished(block: Block, folder: Path) -> int:
+    if Pair.of(folder, block).exists:  # A stop may have left its episodes beside it.
+        return block.count
+    return sum(Pair.of(folder / _UNFINISHED, episode).exists for episode in block.each())
 
 
 def compare_description(job: Job, folder: Path) -> None:
