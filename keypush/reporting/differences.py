@@ -1,11 +1,12 @@
 """What differs between the runs of a report beside what it compares."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 
+from keypush.objects.library import USER_GROUP
 from keypush.reporting.runs import RUN
 from keypush.reporting.settings import read_settings
 
@@ -16,6 +17,8 @@ _COMPARED = {
 """Fields of the scenario that a report tells of anyway."""
 _FILES = {"weights_sha256": "weights", "policy_sha256": "file"}
 """What lies in files that have one name and may have had two contents."""
+_OBJECTS = "user_objects_sha256"
+"""One digest of all own objects of a job: compared between jobs that have the same ones."""
 _MOST = 6
 """So many differences are named."""
 
@@ -30,10 +33,9 @@ def find_differences(table: pa.Table) -> str:
     Returns:
         The line; empty where all are alike.
     """
-    folders = dict.fromkeys(zip(table[RUN].to_pylist(), table["folder"].to_pylist(), strict=True))
     found: dict[str, dict[str, None]] = {}
-    for run, folder in folders:
-        for name, value in _settings(Path(run) / folder):
+    for folder, own in _folders(table).items():
+        for name, value in _settings(folder, own):
             found.setdefault(name, {})[value] = None
     unlike = [f"{name} ({', '.join(values)})" for name, values in found.items() if len(values) > 1]
     if not unlike:
@@ -42,16 +44,33 @@ def find_differences(table: pa.Table) -> str:
     return f"these runs also differ in {', '.join(unlike[:_MOST])}{more}"
 
 
-def _settings(folder: Path) -> Iterator[tuple[str, str]]:
+def _folders(table: pa.Table) -> dict[Path, list[str]]:
+    """Where episodes lie, and which own objects were pushed in those of each folder."""
+    kinds = table.group_by([RUN, "folder", "set", "object"], use_threads=False).aggregate([])
+    found: dict[Path, list[str]] = {}
+    for kind in kinds.to_pylist():
+        own = found.setdefault(Path(kind[RUN]) / kind["folder"], [])
+        if kind["set"] == USER_GROUP:
+            own.append(kind["object"])
+    return found
+
+
+def _settings(folder: Path, own: Sequence[str]) -> Iterator[tuple[str, str]]:
     scenario, job = (read_settings(folder / name) for name in ("scenario.yaml", "job.yaml"))
     if "keypush" in job:
         yield "keypush", str(job["keypush"])
     for name, what in _FILES.items():
         if name in job:
-            yield f"{what} of {_driver(scenario)}", str(job[name])[:8]
+            yield f"{what} of {_driver(scenario)}", _short(job[name])
+    if own and _OBJECTS in job:
+        yield f"files of {', '.join(sorted(own))}", _short(job[_OBJECTS])
     for name, value in scenario.items():
         if name not in _COMPARED:
             yield name, str(value)
+
+
+def _short(digest: Any) -> str:
+    return str(digest)[:8]
 
 
 def _driver(scenario: dict[str, Any]) -> str:

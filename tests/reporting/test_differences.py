@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import pytest
 import yaml
 
 from keypush.reporting.differences import find_differences
@@ -49,6 +50,26 @@ def test_versions_scenarios_and_files_are_named_on_one_line(tmp_path: Path) -> N
         "bbbbbbbb), episode.max_steps (300, 100)"
     )
     assert told in render_page(build_report(gather_episodes(table), told), [])
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "words"),
+    [
+        ("jug crate", "crate jug", "in files of crate, jug (aaaaaaaa, bbbbbbbb)"),
+        ("jug", "jug", "in files of jug (aaaaaaaa, bbbbbbbb)"),
+        ("jug", "crate", ""),
+        ("jug crate", "jug", ""),
+    ],
+)
+def test_own_objects_are_compared_between_runs_that_pushed_the_same_ones(
+    first: str, second: str, words: str, tmp_path: Path
+) -> None:
+    for digest, names in (("a", first), ("b", second)):
+        run = _run(tmp_path / digest, job={"user_objects_sha256": 64 * digest})
+        mine = [record(object=name, set="user", folder=".") for name in names.split()]
+        write_run(run, [record(folder="."), *mine])
+    table = read_runs([tmp_path / "a", tmp_path / "b"])
+    assert find_differences(table) == (words and f"these runs also differ {words}")
 
 
 def test_many_differences_are_counted(tmp_path: Path) -> None:
