@@ -1,11 +1,13 @@
 """How long an evaluation really took, over all its stops."""
 
 import json
+import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from keypush.atomic_file import write_whole
 from keypush.errors import UserError, one_line
@@ -13,6 +15,12 @@ from keypush.rollout.job import Job
 from keypush.rollout.store import finished_episodes
 
 TIMING_FILE = "timing.json"
+_ALLOWED = "allowed: the file as it was written, or none"
+_WHOLE, _POSITIVE = ((int,), "a positive whole number"), ((int, float), "a positive number")
+_KINDS: Mapping[str, tuple[tuple[type, ...], str]] = {
+    "episodes": _WHOLE, "seconds": _POSITIVE, "workers": _WHOLE,
+}  # fmt: skip
+"""Fields of a session in the file: their types and what is allowed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,12 +63,23 @@ def read_sessions(out: Path) -> list[Session]:
         return []
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
-        return [Session(**entry) for entry in found["sessions"]]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise UserError(
-            f"{path}: cannot be read: {one_line(error)}; "
-            "allowed: the file as it was written, or none"
-        ) from error
+    except (OSError, ValueError) as error:
+        raise UserError(f"{path}: cannot be read: {one_line(error)}; {_ALLOWED}") from error
+    entries = found.get("sessions") if isinstance(found, dict) else None
+    if not isinstance(entries, list):
+        raise UserError(f"{path}: has no list of sessions; {_ALLOWED}")
+    return [_session(entry, f"{path}: session {number}") for number, entry in enumerate(entries, 1)]
+
+
+def _session(entry: Any, where: str) -> Session:
+    """Makes a session of what a file holds, which somebody may have edited."""
+    if not isinstance(entry, dict) or set(entry) != set(_KINDS):
+        raise UserError(f"{where} is {entry!r}; {_ALLOWED}, with {', '.join(_KINDS)}")
+    for name, (kinds, words) in _KINDS.items():
+        value = entry[name]
+        if type(value) not in kinds or not 0 < value < math.inf:
+            raise UserError(f"{where}: {name} is {value!r}; allowed: {words}")
+    return Session(**entry)
 
 
 def rate(sessions: Sequence[Session]) -> float | None:

@@ -17,6 +17,13 @@ from tests.rollout.short_scenarios import short_scenario
 JOB = Job(scenario=short_scenario(), objects=("plate",), episodes=25)
 
 
+def _timing(episodes: str = "1", seconds: str = "1.5", workers: str = "2") -> str:
+    """A file of two sessions, the second one with values as JSON."""
+    first = '{"episodes": 3, "seconds": 1.0, "workers": 2}'
+    second = f'{{"episodes": {episodes}, "seconds": {seconds}, "workers": {workers}}}'
+    return f'{{"sessions": [{first}, {second}]}}'
+
+
 def _finish(out: Path, *firsts: int) -> None:
     for kind in ("rows", "episodes"):
         (out / kind).mkdir(parents=True, exist_ok=True)
@@ -68,7 +75,35 @@ def test_the_rate_is_over_all_sessions() -> None:
     assert rate([]) is None
 
 
-def test_a_damaged_file_is_named(tmp_path: Path) -> None:
-    (tmp_path / "timing.json").write_text('{"sessions": [{"episodes": 1}]}')
-    with pytest.raises(UserError, match=r"timing\.json: cannot be read"):
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("{", "cannot be read: "),
+        ("[]", "has no list of sessions"),
+        ('{"sessions": 3}', "has no list of sessions"),
+        ('{"sessions": ["fast"]}', "session 1 is 'fast'"),
+        ('{"sessions": [{"episodes": 1}]}', "session 1 is {'episodes': 1}"),
+        (_timing(episodes='"a"'), "session 2: episodes is 'a'; allowed: a positive whole number"),
+        (_timing(episodes="1.5"), "session 2: episodes is 1.5"),
+        (_timing(episodes="-3"), "session 2: episodes is -3"),
+        (_timing(seconds="null"), "session 2: seconds is None; allowed: a positive number"),
+        (_timing(seconds="NaN"), "session 2: seconds is nan"),
+        (_timing(seconds="Infinity"), "session 2: seconds is inf"),
+        (_timing(seconds="0"), "session 2: seconds is 0"),
+        (_timing(workers="[2]"), "session 2: workers is [2]"),
+        (_timing(workers="true"), "session 2: workers is True"),
+    ],
+)
+def test_a_damaged_file_is_named(content: str, words: str, tmp_path: Path) -> None:
+    (tmp_path / "timing.json").write_text(content)
+    with pytest.raises(UserError) as caught:
         read_sessions(tmp_path)
+    told = str(caught.value)
+    assert told.startswith(f"{tmp_path / 'timing.json'}: {words}")
+    assert "; allowed: " in told
+    assert "\n" not in told
+
+
+def test_whole_seconds_are_read(tmp_path: Path) -> None:
+    (tmp_path / "timing.json").write_text(_timing(seconds="7"))
+    assert rate(read_sessions(tmp_path)) == 0.5
