@@ -1,7 +1,7 @@
 """A part of a reproduction: one policy under one condition, in a folder of its own."""
 
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -59,12 +59,9 @@ class Part:
             self._evaluate(workers, engine)
         for kind in ("rows", "episodes"):
             shutil.rmtree(self.folder / kind, ignore_errors=True)
-        records = read_records(self.folder / RECORDS_FILE)
-        if len(records) != self.job.total:
-            raise UserError(
-                f"{self.folder / RECORDS_FILE}: has {len(records)} episodes; "
-                f"allowed: the {self.job.total} of this plan"
-            )
+        path = self.folder / RECORDS_FILE
+        records = read_records(path)
+        _check_records(records, self.job, path)
         place = records.schema.get_field_index("folder")
         names = pa.array([self.name] * len(records))
         return records.set_column(place, records.schema.field(place), names)
@@ -74,6 +71,35 @@ class Part:
         with timed(self.job, self.folder, workers):
             run_conditions([self.job], self.folder, workers=workers, engine=engine)
         collect_records([self.job], self.folder)
+
+
+def _check_records(records: pa.Table, job: Job, path: Path) -> None:
+    """Compares who drove, what was pushed and how it was varied with a job.
+
+    Raises:
+        UserError: the records are of something else; names the file and the column.
+    """
+    if len(records) != job.total:
+        raise UserError(
+            f"{path}: has {len(records)} episodes; allowed: the {job.total} of this plan"
+        )
+    scenario, numbers = job.scenario, range(job.episodes)
+    wanted: Mapping[str, Iterable[object]] = {
+        "policy": [scenario.policy] * job.total,
+        "object": [name for name in job.objects for _ in numbers],
+        "episode": [*numbers] * len(job.objects),
+        "seed": [scenario.seed] * job.total,
+        "size_ratio": [scenario.object.size_ratio] * job.total,
+        "com_shift": [scenario.variation.com_shift] * job.total,
+        "cloud_deviation": [scenario.noise.cloud_deviation] * job.total,
+        "push_speed": [scenario.planner.push_speed] * job.total,
+    }
+    for name, column in wanted.items():
+        for row, (found, value) in enumerate(zip(records[name].to_pylist(), column, strict=True)):
+            if found != value:
+                raise UserError(
+                    f"{path}: {name} of row {row} is {found!r}; allowed: {value!r}, as in this plan"
+                )
 
 
 def parts(plan: Plan, policies: Sequence[str], out: Path) -> Iterator[Part]:

@@ -1,6 +1,7 @@
 """`keypush reproduce`: a small plan from its start to its tables, stopped and gone on with."""
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,6 +22,14 @@ SIZE, SHIFT = "size_0.75-shift_0-noise_0.005", "size_1-shift_0.015-noise_0.005"
 
 def _run(out: Path) -> pa.Table:
     return reproduce(PLAN, ["geometric"], out, workers=1).records
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder in which all has run."""
+    out = tmp_path_factory.mktemp("finished")
+    _run(out)
+    return out
 
 
 def test_a_small_plan_from_its_start_to_its_tables(
@@ -68,6 +77,31 @@ def test_records_of_another_plan_are_refused(tmp_path: Path) -> None:
     write_records(read_records(path).slice(0, 0), path)
     with pytest.raises(UserError, match=r"records\.parquet: has 0 episodes; allowed: the 1"):
         _run(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "words"),
+    [
+        ("policy", "expert", "policy of row 0 is 'expert'; allowed: 'geometric', as in this plan"),
+        ("object", "mug", "object of row 0 is 'mug'; allowed: 'can_2'"),
+        ("episode", 7, "episode of row 0 is 7; allowed: 0"),
+        ("seed", 3, "seed of row 0 is 3; allowed: 1000000"),
+        ("size_ratio", 1.0, "size_ratio of row 0 is 1.0; allowed: 0.75"),
+        ("com_shift", 0.01, "com_shift of row 0 is 0.01; allowed: 0.0"),
+        ("cloud_deviation", 0.0, "cloud_deviation of row 0 is 0.0; allowed: 0.005"),
+        ("push_speed", 0.2, "push_speed of row 0 is 0.2; allowed: 0.065"),
+    ],
+)
+def test_records_of_another_evaluation_are_refused(
+    column: str, value: object, words: str, finished: Path, tmp_path: Path
+) -> None:
+    shutil.copytree(finished, tmp_path / "r")
+    path = tmp_path / "r" / "geometric" / SIZE / "records.parquet"
+    (row,) = read_records(path).to_pylist()
+    write_records([{**row, column: value}], path)
+    with pytest.raises(UserError, match=f"{SIZE}/records.parquet: {words}") as caught:
+        _run(tmp_path / "r")
+    assert "\n" not in str(caught.value)
 
 
 def test_weights_that_do_not_ship_are_named_before_anything_runs(
