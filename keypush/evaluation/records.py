@@ -15,6 +15,8 @@ RECORDS_FILE = "records.parquet"
 """Its name in the folder of an evaluation."""
 RECORDS_FORMAT = "3"
 """Grows when columns or their meanings change; 3 has reasons, 2 is read as one without any."""
+_WITHOUT_REASONS = "2"
+_READ = (_WITHOUT_REASONS, RECORDS_FORMAT)
 
 
 def _column(name: str, kind: pa.DataType, meaning: str, unit: str = "") -> pa.Field:
@@ -86,15 +88,24 @@ def write_records(records: Sequence[Mapping[str, Any]] | pa.Table, path: Path) -
 def read_records(path: Path) -> pa.Table:
     """Reads records in the columns and types of `RECORDS`; columns of others are left out.
 
+    A table without a format, as another program may have written it, is judged by its columns.
+
     Raises:
-        UserError: the file cannot be read, or a column is missing, of another type or has holes;
-            names the file and the column.
+        UserError: the file cannot be read or has a format that is not known, or a column is
+            missing, of another type or has holes; names the file and the column.
     """
     try:
         table = pq.read_table(path, page_checksum_verification=True)
     except (OSError, pa.ArrowException) as error:
         raise UserError(f"{path}: cannot be read: {one_line(error)}") from error
-    if (table.schema.metadata or {}).get(b"keypush_records") == b"2":
+    told = (table.schema.metadata or {}).get(b"keypush_records", RECORDS_FORMAT.encode())
+    made = told.decode(errors="replace")
+    if made not in _READ:
+        raise UserError(
+            f"{path}: keypush_records, its format, is {made!r}; allowed: {', '.join(_READ)} "
+            "(another version of keypush wrote it)"
+        )
+    if made == _WITHOUT_REASONS:
         table = table.append_column("reason", pa.array([""] * len(table), pa.string()))
     for field in RECORDS:
         if field.name not in table.column_names:

@@ -77,6 +77,22 @@ def test_records_of_before_there_were_reasons_are_read(tmp_path: Path) -> None:
     assert read_records(tmp_path / "r.parquet").equals(given)
 
 
+@pytest.mark.parametrize("made", ["1", "4", "", "3.0"])
+def test_records_of_an_unknown_format_are_refused(made: str, tmp_path: Path) -> None:
+    table = pa.Table.from_pylist([record()], schema=RECORDS)
+    told = table.replace_schema_metadata({"keypush_records": made})
+    pq.write_table(told, tmp_path / "r.parquet")
+    words = f"r.parquet: keypush_records, its format, is '{made}'; allowed: 2, 3 "
+    with pytest.raises(UserError, match=words):
+        read_records(tmp_path / "r.parquet")
+
+
+def test_records_without_a_format_are_judged_by_their_columns(tmp_path: Path) -> None:
+    given = pa.Table.from_pylist([record()], schema=RECORDS)
+    pq.write_table(given.replace_schema_metadata(None), tmp_path / "r.parquet")
+    assert read_records(tmp_path / "r.parquet").equals(given)
+
+
 def test_columns_of_others_are_left_out(tmp_path: Path) -> None:
     write_records([record()], tmp_path / "r.parquet")
     table = pq.read_table(tmp_path / "r.parquet").append_column("mine", pa.array([1]))
