@@ -26,7 +26,7 @@ class Axis:
 
     def value(self, scenario: Scenario) -> float:
         """Returns what a scenario has."""
-        return float(getattr(getattr(scenario, self.section), self.field))
+        return _unsigned_zero(getattr(getattr(scenario, self.section), self.field))
 
     def put(self, scenario: Scenario, value: float) -> Scenario:
         """Returns the scenario with another value.
@@ -34,7 +34,7 @@ class Axis:
         Raises:
             UserError: it is out of range; names the option.
         """
-        section = replace(getattr(scenario, self.section), **{self.field: float(value)})
+        section = replace(getattr(scenario, self.section), **{self.field: _unsigned_zero(value)})
         changed = replace(scenario, **{self.section: section})
         try:
             changed.validate()
@@ -80,11 +80,16 @@ def _checked(
     axis: Axis, scenario: Scenario, values: Mapping[str, Sequence[float]]
 ) -> Sequence[float]:
     given = values.get(axis.option) or [axis.value(scenario)]
-    texts = [_text(value) for value in given]
+    texts = [_text(_unsigned_zero(value)) for value in given]
     for text in texts:
         if texts.count(text) > 1:
             raise UserError(f"--{axis.option} has {text} twice; allowed: each value once")
     return given
+
+
+def _unsigned_zero(value: float) -> float:
+    """The number itself, 0.0 for -0.0: they are one condition."""
+    return float(value) + 0.0
 
 
 def _text(value: float) -> str:

@@ -55,15 +55,15 @@ class Condition:
         nominal = Condition()
         parts = []
         if self.size_ratio != nominal.size_ratio:
-            parts.append(f"size {self.size_ratio:g}")
+            parts.append(f"size {_text(self.size_ratio)}")
         if self.varied_size:
             parts.append("varied size")
         if self.com_shift != nominal.com_shift:
-            parts.append(f"COM shifted {1000 * self.com_shift:g} mm")
+            parts.append(f"COM shifted {_text(1000 * self.com_shift)} mm")
         if self.cloud_deviation != nominal.cloud_deviation:
-            parts.append(f"cloud noise {1000 * self.cloud_deviation:g} mm")
+            parts.append(f"cloud noise {_text(1000 * self.cloud_deviation)} mm")
         if self.push_speed != nominal.push_speed:
-            parts.append(f"push speed {100 * self.push_speed:g} cm/s")
+            parts.append(f"push speed {_text(100 * self.push_speed)} cm/s")
         return ", ".join(parts) or str(Family.NOMINAL)
 
 
@@ -85,6 +85,11 @@ def make_condition(
         size_ratio=1.0 if varied_size else _number(size_ratio, 1.0),
         varied_size=varied_size,
     )
+
+
+def _text(value: float) -> str:
+    """A number with as many digits as `_number` leaves, so that no two have the same words."""
+    return f"{value:.12g}"
 
 
 def _number(value: float, nominal: float) -> float:

@@ -35,7 +35,7 @@ def conditions_table(conditions: Mapping[str, Any]) -> Table:
     capped = any("com_capped" in line for line in lines)
     table = _table("all objects", *(axis.word for axis in fields), capped=capped)
     for line in lines:
-        values = [f"{line[axis.name]:g}" for axis in fields]
+        values = [f"{line[axis.name]:.12g}" for axis in fields]
         table.add_row(*values, *_cells(line, capped=capped))
     return table
 

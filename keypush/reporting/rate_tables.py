@@ -48,7 +48,7 @@ def _sets(episodes: Episodes) -> Iterator[tuple[str, Episodes]]:
 def size_table(episodes: Episodes) -> ReportTable:
     """One row per policy, set and size."""
     rows = [
-        (driver, SETS[name], f"{size:g}", *_rates(part.where(part["size_ratio"] == size)))
+        (driver, SETS[name], f"{size:.12g}", *_rates(part.where(part["size_ratio"] == size)))
         for driver, mine in episodes.split("driver")
         for name, part in mine.split("set")
         for size in np.unique(part["size_ratio"])

@@ -1,5 +1,6 @@
 """The grid of conditions."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -27,6 +28,14 @@ def test_without_values_the_scenario_stays() -> None:
     assert grid(scenario, {"sizes": ()}) == [scenario]
 
 
+def test_minus_zero_is_zero() -> None:
+    (found,) = grid(Scenario(), {"com-shifts": [-0.0]})
+    assert condition_name(found) == condition_name(Scenario())
+    assert math.copysign(1, found.variation.com_shift) == 1
+    given = replace(Scenario(), variation=replace(Scenario().variation, com_shift=-0.0))
+    assert condition_name(given) == condition_name(Scenario())
+
+
 @pytest.mark.parametrize(
     ("values", "words"),
     [
@@ -34,6 +43,7 @@ def test_without_values_the_scenario_stays() -> None:
         ({"com-shifts": [-0.01]}, r"^--com-shifts: variation\.com_shift is -0\.01"),
         ({"cloud-noise": [float("nan")]}, r"^--cloud-noise: noise\.cloud_deviation is nan"),
         ({"sizes": [1, 0.75, 1.0]}, "^--sizes has 1 twice; allowed: each value once$"),
+        ({"com-shifts": [0, -0.0]}, "^--com-shifts has 0 twice"),
     ],
 )
 def test_what_is_out_of_range_or_twice_is_named(values: dict[str, list[float]], words: str) -> None:

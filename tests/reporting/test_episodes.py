@@ -11,7 +11,9 @@ from keypush.errors import UserError
 from keypush.evaluation.recorded_condition import Condition, Family, make_condition
 from keypush.evaluation.records import RECORDS_FILE
 from keypush.reporting.comparison import compare_drivers
+from keypush.reporting.detail_tables import failure_table
 from keypush.reporting.episodes import gather_episodes
+from keypush.reporting.rate_tables import size_table
 from keypush.reporting.runs import find_recordings, read_runs
 from tests.reporting.made_up import failed, gathered, many_records, record, write_run
 
@@ -80,6 +82,29 @@ def test_conditions_have_words_and_a_family(
     condition = make_condition(*numbers)
     assert (condition.words, condition.family) == (words, family)
     assert isinstance(condition, Condition)
+
+
+@pytest.mark.parametrize("number", range(1, 300, 7))
+def test_words_of_ordinary_numbers_have_no_more_digits_than_they_need(number: int) -> None:
+    size, shift, noise, speed = 1 + number / 1e3, number / 1e4, 0.005 + number / 1e5, number / 1e3
+    assert make_condition(size, shift, noise, speed).words == (
+        f"size {size:g}, COM shifted {1000 * shift:g} mm, cloud noise {1000 * noise:g} mm"
+        + ("" if speed == 0.065 else f", push speed {100 * speed:g} cm/s")
+    )
+
+
+def test_conditions_that_hardly_differ_have_rows_of_their_own(tmp_path: Path) -> None:
+    sizes = [1.0, 1.0000001, 1.0000002]
+    varied: list[dict[str, object]] = [{"size_ratio": size} for size in sizes]
+    varied += [{"com_shift": 0.015}, {"com_shift": 0.015000001}]
+    episodes = gathered(tmp_path, [record(**values) for values in varied])
+    assert episodes.values("condition") == [
+        "nominal", "size 1.0000001", "size 1.0000002", "COM shifted 15 mm",
+        "COM shifted 15.000001 mm",
+    ]  # fmt: skip
+    assert [row[2] for row in failure_table(episodes).rows] == ["1"] * 5
+    sized = episodes.of(Family.NOMINAL, Family.SIZE)
+    assert [row[2] for row in size_table(sized).rows] == ["1", "1.0000001", "1.0000002"]
 
 
 def test_sizes_that_differ_within_a_folder_are_one_condition(tmp_path: Path) -> None:
