@@ -19,7 +19,7 @@ class Reproduce(WorkerOptions):
     """
 
     scale: Literal["quick", "full"]
-    """quick: a sample of objects, sizes and episodes, a quarter of an hour on two cores. full: 32
+    """quick: a sample of objects, sizes and episodes, 7 to 9 minutes on two cores. full: 32
     objects in five sizes, 50 episodes of each, six hours on two cores."""
     policies: Annotated[tuple[str, ...], tyro.conf.arg(metavar="POLICY...")] = ()
     """Policies to run; by default all eight."""
