@@ -14,7 +14,7 @@ from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
 from keypush.errors import UserError, one_line
 from keypush.policies import OWN_POLICY, POLICIES, SHIPPED, is_own_policy
-from keypush.scenario_check import check_values, check_yaml
+from keypush.scenario_check import SURFACE_POINTS, check_values, check_yaml
 
 INTEGRATORS = ("cenic", "discrete")
 VARIED_FIELDS = {
@@ -141,7 +141,7 @@ class EpisodeConfig:
 class NoiseConfig:
     """Noise of sensors and actuators."""
 
-    cloud_points: int = field(default=512, metadata={"range": (16, 16_384)})
+    cloud_points: int = field(default=512, metadata={"range": (16, SURFACE_POINTS)})
     """Points of the cloud."""
     cloud_deviation: float = _number(0.005, 0.0, 0.1)
     """Standard deviation of every coordinate of the cloud."""

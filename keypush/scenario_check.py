@@ -14,6 +14,11 @@ from typing import Any
 
 from keypush.errors import UserError
 
+SURFACE_POINTS = 4096
+"""Points known of an object's surface; the most that a cloud, of a run or a training, can have.
+
+It stands here for those who read no scenario: Drake takes seconds to import.
+"""
 _REPR = reprlib.Repr(maxlist=8, maxstring=60)
 _ALLOWED = {bool: "true or false", str: "a text, in quotes if it looks like a number"}
 

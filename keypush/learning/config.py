@@ -6,6 +6,7 @@ from typing import override
 from keypush.errors import UserError
 from keypush.learning.run_config import RunConfig, choice, number
 from keypush.networks.config import SurfaceConfig
+from keypush.scenario_check import SURFACE_POINTS
 
 LABELS = ("measured", "analytic")
 
@@ -42,7 +43,7 @@ class TrainingConfig(DataConfig):
     """Whether objects are mirrored, stretched, sheared, bent and tapered."""
     clouds_per_object: int = number(64, 1, 100_000)
     """Clouds drawn per pass for every object and size, as far as the pass has rows for them."""
-    cloud_points: int = number(512, 16, 16_384)
+    cloud_points: int = number(512, 16, SURFACE_POINTS)
     """Points of a cloud."""
     cloud_deviation: float = number(0.005, 0.0, 0.1)
     """Standard deviation of every coordinate of a cloud, m."""

@@ -23,14 +23,13 @@ from pydrake.math import RotationMatrix
 
 from keypush.errors import UserError, one_line
 from keypush.objects.resting import RestingPose
+from keypush.scenario_check import SURFACE_POINTS
 from keypush.seeding import make_generator
 
 Array = NDArray[np.float64]
 
 BOUNDING_RADIUS = 0.05
 """r_obj in m: radius of the bounding sphere about Oo at size ratio 1."""
-SURFACE_POINTS = 4096
-"""Points on the surface from which clouds are drawn."""
 _VISUAL, _COLLISION, _DESCRIPTION = "visual.ply", "collision.obj", "object.json"
 _FORMAT = 1
 

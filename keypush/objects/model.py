@@ -28,9 +28,9 @@ class ObjectModel:
     visual: trimesh.Trimesh
     """Mesh in O that is seen; likewise."""
     p_OP: NDArray[np.float64]
-    """Points drawn uniformly by area over the whole of `visual`, (4096, 3)."""
+    """Points drawn uniformly by area over the whole of `visual`, (`SURFACE_POINTS`, 3)."""
     normals_O: NDArray[np.float64]
-    """Outward unit normals there, (4096, 3)."""
+    """Outward unit normals there, (`SURFACE_POINTS`, 3)."""
     mass: float
     """kg."""
     p_OoOcm_O: NDArray[np.float64]
@@ -76,7 +76,7 @@ class ObjectModel:
         """Draws some of the points on the surface, each at most once.
 
         Args:
-            count: at most 4096.
+            count: at most `SURFACE_POINTS`.
             rng: source of the draw.
 
         Returns:

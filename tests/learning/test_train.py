@@ -104,6 +104,7 @@ def test_small_network_learns_where_to_push(data_dir: Path, tmp_path: Path) -> N
         ({"label": "guessed"}, "label is 'guessed'; allowed: measured, analytic"),
         ({"held_out_objects": ["mug"]}, "held_out_objects has mug; allowed: bottle, can, l_block"),
         ({"held_out_objects": ["bottle", "can", "l_block"]}, "0 episodes have labelled rows"),
+        ({"cloud_points": 4097}, "cloud_points is 4097; allowed: 16 to 4096"),
         ({"network": SurfaceConfig(heads=3)}, r"network\.heads is 3; allowed: divisors"),
         ({"network": SurfaceConfig(patch_size=65)}, "cloud_points is 64; allowed: at least 65"),
     ],

@@ -1,5 +1,7 @@
 """The built-in objects: what is stored of them, their splits and names."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import trimesh
@@ -8,18 +10,22 @@ from hypothesis import strategies as st
 from pydrake.math import RotationMatrix
 
 from keypush.errors import UserError
-from keypush.objects.asset import BOUNDING_RADIUS, SURFACE_POINTS
+from keypush.learning.config import TrainingConfig
+from keypush.objects.asset import BOUNDING_RADIUS
 from keypush.objects.catalogue import GROUPS, catalogue, catalogue_names
 from keypush.objects.library import load_object, make_object, parse_object_list
 from keypush.objects.mass import uniform_density
 from keypush.objects.meshing.distance import hausdorff
 from keypush.objects.meshing.felt import felt_points, support_gap
+from keypush.objects.point_cloud import sensed_points
 from keypush.objects.resting import (
     LEAST_TIPPING_ANGLE,
     TOUCH_TOLERANCE,
     edge_distance,
     support_polygon,
 )
+from keypush.scenario import NoiseConfig
+from keypush.scenario_check import SURFACE_POINTS
 from tests.objects.every_object import EVERY_OBJECT
 
 NAMES = catalogue_names()
@@ -185,6 +191,14 @@ def test_drawn_points_are_some_of_them_and_depend_on_the_generator_alone() -> No
     assert (points[:, None] == model.p_OP).all(axis=2).any(axis=1).all()
     np.testing.assert_array_equal(points, model.surface_points(64, np.random.default_rng(1)))
     assert not np.array_equal(points, model.surface_points(64, np.random.default_rng(2)))
+
+
+def test_a_cloud_may_have_every_point_that_a_scenario_allows() -> None:
+    model = make_object("mug")
+    for config in (NoiseConfig, TrainingConfig):
+        spec = next(f for f in dataclasses.fields(config) if f.name == "cloud_points")
+        _, most = spec.metadata["range"]
+        assert len(sensed_points(model, most, 0)) == most
 
 
 def test_splits_are_disjoint_and_complete() -> None:
