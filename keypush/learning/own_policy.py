@@ -9,15 +9,20 @@ import inspect
 import reprlib
 import sys
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 from typing import Any, override
 
 import numpy as np
+from numpy.typing import NDArray
 
 from keypush.errors import UserError, one_line
 from keypush.learning.model import KeypointModel, PolicyError, Seen, Vector
 from keypush.learning.time_limit import NoAnswer, time_limit
+
+Array = NDArray[Any]
 
 ANSWER_SECONDS = 10.0
 """Wall time after which an answer does not count; far longer than any sensible one takes."""
@@ -30,9 +35,17 @@ _ALLOWED = (
 class OwnModel(KeypointModel):
     """A user's model, whose mistakes are told as `PolicyError`."""
 
-    def __init__(self, model: Any, source: Path, seconds: float) -> None:
-        """Args: the user's model; the file that it comes from; the most wall time of an answer."""
+    def __init__(self, model: Any, uses_com: bool, source: Path, seconds: float) -> None:
+        """Wraps a model.
+
+        Args:
+            model: the user's.
+            uses_com: what it says of itself.
+            source: the file that it comes from.
+            seconds: the most wall time of an answer.
+        """
         self._model = model
+        self._uses_com = uses_com
         self._source = source
         self._seconds = seconds
 
@@ -40,7 +53,7 @@ class OwnModel(KeypointModel):
     @override
     def uses_com(self) -> bool:
         """Whether `predict` needs `com_W`."""
-        return bool(self._model.uses_com)
+        return self._uses_com
 
     @override
     def predict(self, cloud_W: Seen, goal_W: Seen, com_W: Seen | None, hand: Seen) -> Vector:
@@ -54,15 +67,17 @@ class OwnModel(KeypointModel):
             with time_limit(self._seconds):
                 # Copies: what it does to them must not reach the simulation.
                 answer = self._model.predict(*(None if s is None else s.copy() for s in seen))
-                keypoint = np.array(answer, dtype=float)
+                keypoint = np.asarray(answer)
+                shown = "" if _is_point(keypoint) else _shown(answer)
         except NoAnswer as error:
             raise PolicyError(f"no answer within {self._seconds:g} s") from error
-        except (Exception, SystemExit) as error:
+        except KeyboardInterrupt:  # the user's Ctrl-C
+            raise
+        except BaseException as error:
             raise PolicyError(_told(error, self._source)) from error
-        if keypoint.shape != (3,):
-            found = " ".join(reprlib.repr(answer).split())
-            raise PolicyError(f"keypoint is {found}; allowed: three numbers")
-        return keypoint
+        if shown:
+            raise PolicyError(f"keypoint is {shown}; allowed: three numbers")
+        return np.array(keypoint, dtype=float)
 
 
 def own_model(policy: str) -> KeypointModel:
@@ -79,9 +94,11 @@ def own_model(policy: str) -> KeypointModel:
     """
     source, _, name = policy.rpartition(":")
     try:
-        module = _load(source)
-        path = Path(str(module.__file__))
-        return OwnModel(_make(module, name, path), path, ANSWER_SECONDS)
+        module, path = _load(source)
+        model = _make(module, name, path)
+        uses_com = _says_uses_com(model, path)
+        _check_predict(model, path)
+        return OwnModel(model, uses_com, path, ANSWER_SECONDS)
     except UserError as error:
         raise UserError(f"policy {policy}: {error}") from error
 
@@ -92,7 +109,13 @@ def source_file(policy: str) -> Path:
     return Path(source if source.endswith(".py") else str(sys.modules[source].__file__))
 
 
-def _load(source: str) -> ModuleType:
+def _is_point(found: Array) -> bool:
+    """Whether these are three real numbers: no text that looks like some, nothing true or false."""
+    return found.shape == (3,) and found.dtype.kind in "iuf"
+
+
+def _load(source: str) -> tuple[ModuleType, Path]:
+    """Imports a file or module; returns it and its file."""
     path = Path(source)
     is_file = source.endswith(".py")
     if is_file and not path.is_file():
@@ -100,10 +123,14 @@ def _load(source: str) -> ModuleType:
     folder = str(path.resolve().parent if is_file else Path.cwd())
     if folder not in sys.path:
         sys.path.append(folder)  # last, so that nothing there hides a package
-    try:
-        return _run_file(path) if is_file else importlib.import_module(source)
-    except (Exception, SystemExit) as error:
-        raise UserError(f"importing it raised {_told(error, path)}") from error
+    with _told_as_mistake("importing it", path):
+        if is_file:
+            return _run_file(path), path
+        module = importlib.import_module(source)
+        file = getattr(module, "__file__", None)
+    if not isinstance(file, str):  # part of Python itself, or a folder
+        raise UserError(f"module {source} has no file; allowed: a module that is a Python file")
+    return module, Path(file)
 
 
 def _run_file(path: Path) -> ModuleType:
@@ -116,18 +143,29 @@ def _run_file(path: Path) -> ModuleType:
 
 
 def _make(module: ModuleType, name: str, path: Path) -> Any:
-    made = getattr(module, name, None)
+    with _told_as_mistake(f"looking for {name}", path):
+        made = getattr(module, name, None)
+        others = "" if callable(made) else _others(module)
     if not callable(made):
-        raise UserError(f"{path} has no class or function {name}{_others(module)}")
-    try:
-        model = made()
-    except (Exception, SystemExit) as error:
-        raise UserError(f"calling it raised {_told(error, path)}; {_ALLOWED}") from error
-    if not isinstance(getattr(model, "uses_com", None), bool | np.bool_):
+        raise UserError(f"{path} has no class or function {name}{others}")
+    with _told_as_mistake("calling it", path, f"; {_ALLOWED}"):
+        return made()
+
+
+def _says_uses_com(model: Any, path: Path) -> bool:
+    """What a model says of itself, asked once: it must not change in the midst of a run."""
+    with _told_as_mistake("asking what it gives for uses_com", path, f"; {_ALLOWED}"):
+        uses_com = getattr(model, "uses_com", None)
+    if not isinstance(uses_com, bool | np.bool_):
         raise UserError(f"what it gives has no uses_com; {_ALLOWED}")
-    if not _predicts(model):
+    return bool(uses_com)
+
+
+def _check_predict(model: Any, path: Path) -> None:
+    with _told_as_mistake("asking what it gives for predict", path, f"; {_ALLOWED}"):
+        predicts = _predicts(model)
+    if not predicts:
         raise UserError(f"what it gives has no such predict; {_ALLOWED}")
-    return model
 
 
 def _others(module: ModuleType) -> str:
@@ -153,6 +191,17 @@ def _predicts(model: Any) -> bool:
     return True
 
 
+@contextmanager
+def _told_as_mistake(what: str, path: Path, allowed: str = "") -> Iterator[None]:
+    """Turns whatever the user's code inside raises into a `UserError`, but for Ctrl-C."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        raise UserError(f"{what} raised {_told(error, path)}{allowed}") from error
+
+
 def _told(error: BaseException, path: Path) -> str:
     """What was raised, and in which line of the user's file."""
     frames = traceback.extract_tb(error.__traceback__)
@@ -160,5 +209,20 @@ def _told(error: BaseException, path: Path) -> str:
     if isinstance(error, SyntaxError):
         lines = [error.lineno]
     place = f" ({path.name}:{lines[-1]})" if lines and lines[-1] else ""
-    text = one_line(error if not isinstance(error, SyntaxError) else SyntaxError(error.msg))
+    text = _text(error if not isinstance(error, SyntaxError) else SyntaxError(error.msg))
     return f"{type(error).__name__}{': ' if text else ''}{text}{place}"
+
+
+def _text(error: BaseException) -> str:
+    try:
+        text = one_line(error)
+    except Exception:  # it is the user's class, whose __str__ may raise too
+        return "(without a text)"
+    # What is no Unicode, as of a file's odd name, no Parquet file can hold.
+    return text.encode(errors="backslashreplace").decode()
+
+
+def _shown(answer: Any) -> str:
+    """An answer on one line of bounded length."""
+    text = " ".join(reprlib.repr(answer).split())
+    return text.encode(errors="backslashreplace").decode()

@@ -48,7 +48,7 @@ class Answering:
 
 
 def _reason(answer: Callable[[], Any], seconds: float = 60.0) -> str:
-    model = OwnModel(Answering(answer), Path(__file__), seconds)
+    model = OwnModel(Answering(answer), False, Path(__file__), seconds)
     with pytest.raises(PolicyError) as caught:
         model.predict(CLOUD, GOAL, None, HAND)
     return str(caught.value)
@@ -102,6 +102,36 @@ def test_an_edited_file_is_read_anew(tmp_path: Path) -> None:
             "X",
             ["has no such predict"],
         ),
+        (
+            "class Stop(BaseException): pass\nraise Stop('now')",
+            "X",
+            ["raised Stop: now (mine.py:2"],
+        ),
+        (
+            "class Stop(BaseException): pass\ndef X(): raise Stop('now')",
+            "X",
+            ["calling it raised Stop: now (mine.py:2); allowed: a class or function"],
+        ),
+        (
+            "class Mute(Exception):\n    def __str__(self): raise RuntimeError\nraise Mute",
+            "X",
+            ["importing it raised Mute: (without a text) (mine.py:3)"],
+        ),
+        (
+            "class X:\n    @property\n    def uses_com(self): raise RuntimeError('no')",
+            "X",
+            ["for uses_com raised RuntimeError: no (mine.py:3)", "without arguments"],
+        ),
+        (
+            "class X:\n    uses_com = True\n    def __getattr__(self, name): raise KeyError(name)",
+            "X",
+            ["for predict raised KeyError: 'predict' (mine.py:3)", "without arguments"],
+        ),
+        (
+            "def __getattr__(name): raise KeyError(name)",
+            "X",
+            ["looking for X raised KeyError: 'X'"],
+        ),
     ],
 )
 def test_what_is_no_model_is_refused_on_one_line(
@@ -125,6 +155,32 @@ def test_missing_files_and_modules_are_named() -> None:
         own_model("no_such.module:X")
 
 
+@pytest.mark.parametrize("policy", ["sys:exit", "builtins:int", "folder_of_mine:Base"])
+def test_a_module_without_a_file_is_refused(
+    policy: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "folder_of_mine").mkdir()
+    monkeypatch.chdir(tmp_path)
+    expected = f"policy {policy}: module {policy.partition(':')[0]} has no file; allowed"
+    with pytest.raises(UserError, match=expected):
+        own_model(policy)
+
+
+def test_what_it_says_of_itself_is_asked_once(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text("""
+class X:
+    asked = 0
+    def predict(self, cloud, goal, com, hand): return [0, 0, 0]
+    @property
+    def uses_com(self):
+        self.asked += 1
+        return self.asked == 1 or 1 / 0
+""")
+    model = own_model(f"{tmp_path / 'mine.py'}:X")
+    assert model.uses_com
+    assert model.uses_com
+
+
 def test_what_it_raises_is_told_with_its_place() -> None:
     def fail() -> None:
         raise ValueError("bad\n cloud")
@@ -135,19 +191,73 @@ def test_what_it_raises_is_told_with_its_place() -> None:
     assert _reason(lambda: exec("raise SystemExit")).startswith("SystemExit (test_own_policy.py")
 
 
-@pytest.mark.parametrize("answer", [None, [1.0, 2.0], np.zeros((3, 3)), 3.0])
+def test_an_exception_that_is_no_exception_or_cannot_be_told_ends_the_answer() -> None:
+    class Stop(BaseException):
+        pass
+
+    class MuteError(Exception):
+        def __str__(self) -> str:
+            raise RuntimeError
+
+    def fail(error: BaseException) -> None:
+        raise error
+
+    assert _reason(lambda: fail(Stop("now"))).startswith("Stop: now (test_own_policy.py:")
+    assert _reason(lambda: fail(MuteError())).startswith("MuteError: (without a text) (test_own")
+    assert _reason(lambda: fail(ValueError("\udcff"))).startswith("ValueError: \\udcff (")
+
+
+def test_ctrl_c_is_the_users_and_not_the_models() -> None:
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        OwnModel(Answering(interrupt), False, Path(__file__), 60.0).predict(CLOUD, GOAL, None, HAND)
+
+
+class Unprintable:
+    def __repr__(self) -> str:
+        raise SystemExit
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        None,
+        [1.0, 2.0],
+        np.zeros((3, 3)),
+        3.0,
+        ["0.1", "0.2", "0.3"],
+        [True, False, True],
+        np.zeros(3, dtype=complex),
+        np.array([0.1, 0.2, 0.3], dtype=object),
+        "here",
+        "\udcff",
+    ],
+)
 def test_what_is_not_three_numbers_is_refused(answer: Any) -> None:
     reason = _reason(lambda: answer)
     assert reason.endswith("; allowed: three numbers")
     assert "\n" not in reason
 
 
-def test_what_is_no_number_is_refused() -> None:
-    assert _reason(lambda: "here").startswith("ValueError: could not convert")
+def test_an_answer_that_cannot_be_shown_is_refused() -> None:
+    assert _reason(Unprintable).startswith("SystemExit")
+
+
+@pytest.mark.parametrize(
+    "answer", [(0, 1, 2), [0.0, 1, np.float32(2)], np.arange(3, dtype=np.uint8), np.arange(3.0)]
+)
+def test_three_real_numbers_of_any_type_are_a_keypoint(answer: Any) -> None:
+    model = OwnModel(Answering(lambda: answer), False, Path(__file__), 60.0)
+    keypoint = model.predict(CLOUD, GOAL, None, HAND)
+    assert keypoint.dtype == np.float64
+    assert keypoint is not answer
+    np.testing.assert_array_equal(keypoint, [0.0, 1.0, 2.0])
 
 
 def test_a_number_that_is_not_finite_is_for_who_asks() -> None:
-    model = OwnModel(Answering(lambda: [0.0, np.nan, 0.0]), Path(__file__), 60.0)
+    model = OwnModel(Answering(lambda: [0.0, np.nan, 0.0]), False, Path(__file__), 60.0)
     assert np.isnan(model.predict(CLOUD, GOAL, None, HAND)[1])
 
 
