@@ -9,12 +9,12 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-import yaml
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
 from keypush.errors import UserError, one_line
 from keypush.policies import OWN_POLICY, POLICIES, SHIPPED, is_own_policy
 from keypush.scenario_check import SURFACE_POINTS, check_values, check_yaml
+from keypush.yaml_text import parse_yaml
 
 INTEGRATORS = ("cenic", "discrete")
 VARIED_FIELDS = {
@@ -311,7 +311,7 @@ def parse_scenario(
 ) -> Scenario:
     """Parses a scenario's YAML text; see `load_scenario`."""
     try:
-        data = _parse_yaml(text)
+        data = parse_yaml(text, empty={})
         check_yaml(data, Scenario)
         scenario: Scenario = yaml_load_typed(
             schema=Scenario,
@@ -332,14 +332,6 @@ def dump_scenario(scenario: Scenario) -> str:
         if getattr(getattr(scenario, section), name) is None:
             text = text.replace(f"\n{section}:\n", f"\n{section}:\n  {name}: null\n", 1)
     return text
-
-
-def _parse_yaml(text: str) -> object:
-    """Parses YAML; a text that holds nothing but comments has no fields."""
-    try:
-        return {} if yaml.compose(text, yaml.SafeLoader) is None else yaml.safe_load(text)
-    except Exception as error:  # not only YAMLError: e.g. ValueError for the date 2000-13-01
-        raise UserError(f"not readable as YAML: {one_line(error)}") from error
 
 
 def _check_goal(goal: list[float], table: TableConfig) -> None:

@@ -9,6 +9,7 @@ import yaml
 
 from keypush.errors import UserError
 from keypush.policies import OWN_POLICY, POLICIES
+from keypush.yaml_text import parse_yaml
 
 if TYPE_CHECKING:
     from keypush.scenario import Scenario
@@ -67,9 +68,9 @@ def resolve_scenario(options: ScenarioOptions, **fields: object) -> "Scenario":
 
 def _parse_value(text: str, value: str) -> Any:
     try:
-        return yaml.safe_load(value)
-    except yaml.YAMLError as error:
-        raise UserError(f"--set {text!r}: the value is no YAML") from error
+        return parse_yaml(value)
+    except UserError as error:
+        raise UserError(f"--set {text!r}: the value is {error}") from error
 
 
 def _put(tree: dict[str, Any], dotted: str, value: object) -> None:

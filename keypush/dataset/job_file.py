@@ -3,9 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from keypush.errors import UserError, one_line
+from keypush.yaml_text import parse_yaml
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
@@ -15,8 +14,8 @@ def read_yaml(path: Path) -> dict[str, Any]:
         UserError: the file is missing or holds no mapping.
     """
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        content = parse_yaml(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, UserError) as error:
         raise UserError(
             f"{path}: cannot be read: {one_line(error)}; allowed: the file of a job"
         ) from error

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import yaml
+from keypush.errors import UserError
+from keypush.yaml_text import parse_yaml
 
 
 def read_settings(path: Path) -> dict[str, Any]:
@@ -14,15 +15,15 @@ def read_settings(path: Path) -> dict[str, Any]:
         Values by their names, those of a field in a section joined by dots.
     """
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError):
+        content = parse_yaml(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, UserError):
         return {}
     return dict(_flat(content)) if isinstance(content, dict) else {}
 
 
 def _flat(section: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
     for name, value in section.items():
-        if isinstance(value, dict):
+        if isinstance(value, dict) and not prefix:  # no section has sections of its own
             yield from _flat(value, f"{prefix}{name}.")
         else:
             yield f"{prefix}{name}", value

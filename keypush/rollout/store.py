@@ -16,6 +16,7 @@ from keypush.rollout.job import Block, Job, runs
 from keypush.rollout.shard import Shard, check_shard, shard_columns
 from keypush.rollout.unfinished import Pair, join
 from keypush.scenario import dump_scenario
+from keypush.yaml_text import parse_yaml
 
 _KINDS = ("rows", "episodes")
 _PARTIAL = f".*{TEMPORARY_SUFFIX}"
@@ -231,8 +232,8 @@ def _description(job: Job) -> dict[str, str]:
 
 def _compare(path: Path, text: str) -> None:
     try:
-        found = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, yaml.YAMLError, UnicodeDecodeError) as error:
+        found = parse_yaml(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, UserError) as error:
         raise UserError(f"{path}: cannot be read: {one_line(error)}") from error
     field = _first_difference(found, yaml.safe_load(text))
     if field is not None:

@@ -83,5 +83,17 @@ def test_many_differences_are_counted(tmp_path: Path) -> None:
 def test_records_alone_say_nothing(tmp_path: Path) -> None:
     first = _run(tmp_path / "first")
     second = write_run(tmp_path / "second", [record(folder=".", episode=1)])
-    (second / "scenario.yaml").write_text("a: [")
-    assert find_differences(read_runs([first, second])) == ""
+    for text in ("a: [", "keypush: 2000-13-01", 1000 * "[", "predictor"):
+        for name in ("scenario.yaml", "job.yaml"):
+            (second / name).write_text(text)
+        assert find_differences(read_runs([first, second])) == ""
+
+
+@pytest.mark.parametrize("text", ["predictor: null", "predictor: [1]", "planner: &p {a: {b: *p}}"])
+def test_a_scenario_with_other_groups_is_only_different(text: str, tmp_path: Path) -> None:
+    first = _run(tmp_path / "first", job={"weights_sha256": 64 * "a"})
+    second = _run(tmp_path / "second", job={"weights_sha256": 64 * "b"}, episode=1)
+    for run in (first, second):
+        (run / "scenario.yaml").write_text(f"policy: surface\n{text}\n")
+    told = find_differences(read_runs([first, second]))
+    assert told == "these runs also differ in weights of surface (aaaaaaaa, bbbbbbbb)"

@@ -145,9 +145,10 @@ def test_a_lost_description_is_not_made_up(name: str, folder: Path) -> None:
     assert not (folder / name).exists()
 
 
+@pytest.mark.parametrize("text", ["objects: [", "keypush: 2000-13-01", 1000 * "["])
 @pytest.mark.parametrize("name", ["job.yaml", "scenario.yaml"])
-def test_a_broken_description_is_named(name: str, folder: Path) -> None:
-    (folder / name).write_text("objects: [", encoding="utf-8")
+def test_a_broken_description_is_named(name: str, text: str, folder: Path) -> None:
+    (folder / name).write_text(text, encoding="utf-8")
     with pytest.raises(UserError, match=f"{name}: cannot be read"):
         EpisodeStore(folder).open(_job())
 
