@@ -70,7 +70,7 @@ def _parse_value(text: str, value: str) -> Any:
     try:
         return parse_yaml(value)
     except UserError as error:
-        raise UserError(f"--set {text!r}: the value is {error}") from error
+        raise UserError(f"--set {text!r}: {error}") from error
 
 
 def _put(tree: dict[str, Any], dotted: str, value: object) -> None:

@@ -286,6 +286,15 @@ def test_a_start_box_whose_corners_are_swapped_is_refused() -> None:
         ("simulation: {arm_collision: 3}", ["arm_collision is 3; allowed: true or false"]),
         ("a: b: c", ["line 1"]),
         ("object: {name: 2000-13-01}", ["not readable as YAML"]),
+        (
+            "noise: {cloud_deviation: 0}\nseed: 1\n\nnoise:\n  cloud_points: 64\n",
+            ["mine.yaml: noise is given twice, in lines 1 and 4; allowed: once"],
+        ),
+        (
+            "object:\n  name: mug\n  'name': can\n",
+            ["mine.yaml: object.name is given twice, in lines 2 and 3; allowed: once"],
+        ),
+        ("_a: [{? 'b\n\n  c'\n: 1, ? 'b\n\n  c'\n: 2}]", ["_a.'b\\nc' is given twice, in lines 1"]),
         ("seed: !!python/object:os.system {}", ["python/object"]),
     ],
     ids=lambda value: value[:40] if isinstance(value, str) else "",
@@ -331,6 +340,12 @@ def test_whatever_a_field_holds_is_read_or_refused_by_its_name(name: str, value:
 def test_a_number_can_be_written_in_more_than_one_way(text: str) -> None:
     expected = 0.1 if "_" in text else 0.2
     assert parse_scenario(f"object: {{mass: {text}}}").object.mass == expected
+
+
+def test_a_field_may_take_the_place_of_a_templates() -> None:
+    text = "{_light: &light {mass: 0.02, friction: 0.5}, object: {<<: *light, mass: 0.3}}"
+    assert parse_scenario(text).object.mass == 0.3
+    assert parse_scenario(text).object.friction == 0.5
 
 
 def test_a_template_for_aliases_is_no_field() -> None:
