@@ -85,9 +85,11 @@ def _light(meshcat: Meshcat, side: float) -> None:
 def _add_floor_and_pedestal(meshcat: Meshcat, scenario: Scenario) -> None:
     height = scenario.table.height
     floor = Cylinder(_FLOOR_RADIUS, _FLOOR_THICKNESS)
-    x, y, base = scenario.robot.base_position
-    pedestal = Box(_PEDESTAL_WIDTH, _PEDESTAL_WIDTH, base + height)
     _put(meshcat, "/scenery/floor", floor, _FLOOR_COLOUR, [-0.2, 0, -height - _FLOOR_THICKNESS / 2])
+    x, y, base = scenario.robot.base_position
+    if base + height <= 0:
+        return  # the robot stands on the floor, or below it
+    pedestal = Box(_PEDESTAL_WIDTH, _PEDESTAL_WIDTH, base + height)
     _put(meshcat, "/scenery/pedestal", pedestal, _PEDESTAL_COLOUR, [x, y, (base - height) / 2])
 
 
