@@ -1,6 +1,7 @@
 """`keypush objects`: what can be pushed, and how to add to it."""
 
 import json
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -24,17 +25,20 @@ class List:
     json: bool = False
     """Print one JSON object instead of a table."""
 
-    def run(self) -> None:
-        """Runs the verb."""
+    def run(self) -> int:
+        """Runs the verb; returns the exit status."""
         from rich.console import Console
 
         from keypush.objects.listing import describe_objects, objects_table
 
-        described = describe_objects()
+        described, unreadable = describe_objects()
         if self.json:
             print(json.dumps(described))
         else:
             Console().print(objects_table(described))
+        for mistake in unreadable:
+            print(f"keypush: {mistake}", file=sys.stderr)
+        return 2 if unreadable else 0
 
 
 @dataclass(kw_only=True)

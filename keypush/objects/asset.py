@@ -18,10 +18,9 @@ from typing import Any, cast
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
-from pydrake.common.eigen_geometry import Quaternion
-from pydrake.math import RotationMatrix
 
 from keypush.errors import UserError, one_line
+from keypush.objects.description import FORMAT, read_description
 from keypush.objects.resting import RestingPose
 from keypush.scenario_check import SURFACE_POINTS
 from keypush.seeding import make_generator
@@ -31,7 +30,6 @@ Array = NDArray[np.float64]
 BOUNDING_RADIUS = 0.05
 """r_obj in m: radius of the bounding sphere about Oo at size ratio 1."""
 _VISUAL, _COLLISION, _DESCRIPTION = "visual.ply", "collision.obj", "object.json"
-_FORMAT = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,24 +99,17 @@ def read_asset(folder: Path) -> ObjectAsset:
     """Reads an asset.
 
     Raises:
-        UserError: a file is missing or damaged.
+        UserError: a file is missing or damaged; names it, and the field.
     """
     try:
-        found = json.loads((folder / _DESCRIPTION).read_text(encoding="utf-8"))
-        if found["format"] != _FORMAT:
-            raise ValueError(f"format is {found['format']!r}; allowed: {_FORMAT}")
+        described = _read_description(folder / _DESCRIPTION)
         return ObjectAsset(
             name=folder.name,
             visual=_read_mesh(folder / _VISUAL),
             collision=_read_mesh(folder / _COLLISION),
-            colour=_colour(found["colour"]),
-            mass=float(found["mass"]),
-            p_OoOcm_O=np.array(found["centre_of_mass"], dtype=float).reshape(3),
-            inertia_per_mass=np.array(found["inertia_per_mass"], dtype=float).reshape(3, 3),
-            poses=tuple(_read_pose(pose) for pose in found["resting_poses"]),
-            provenance=found["provenance"],
+            **described,
         )
-    except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
+    except Exception as error:  # the mesh readers raise whatever a damaged file leads to
         raise UserError(
             f"object folder {folder}: cannot be read: {one_line(error)}; "
             "allowed: what `keypush objects add` wrote"
@@ -135,6 +126,13 @@ def obj_text(mesh: trimesh.Trimesh) -> str:
     return text.getvalue()
 
 
+def _read_description(path: Path) -> dict[str, Any]:
+    try:
+        return read_description(path.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"{path.name}: {error}") from error
+
+
 def _read_mesh(path: Path) -> trimesh.Trimesh:
     mesh = trimesh.load_mesh(path, process=False)
     if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
@@ -146,7 +144,7 @@ def _read_mesh(path: Path) -> trimesh.Trimesh:
 
 def _describe(asset: ObjectAsset) -> dict[str, Any]:
     return {
-        "format": _FORMAT,
+        "format": FORMAT,
         "colour": list(asset.colour),
         "mass": asset.mass,
         "centre_of_mass": asset.p_OoOcm_O.tolist(),
@@ -162,14 +160,3 @@ def _describe(asset: ObjectAsset) -> dict[str, Any]:
         ],
         "provenance": dict(asset.provenance),
     }
-
-
-def _read_pose(found: Mapping[str, Any]) -> RestingPose:
-    wxyz = np.array(found["quaternion_wxyz"], dtype=float)
-    R_WO = RotationMatrix(Quaternion(wxyz / np.linalg.norm(wxyz)))
-    return RestingPose(R_WO, *(float(found[k]) for k in ("height", "tipping_angle", "share")))
-
-
-def _colour(values: Any) -> tuple[float, float, float]:
-    r, g, b = (float(value) for value in values)
-    return r, g, b

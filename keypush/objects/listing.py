@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
+from keypush.errors import UserError
 from keypush.objects.asset import ObjectAsset
 from keypush.objects.catalogue import catalogue
 from keypush.objects.library import USER_GROUP, load_object, object_names
@@ -23,9 +24,19 @@ def split_of(name: str) -> str:
     return USER_GROUP if entry is None else entry.split
 
 
-def describe_objects() -> dict[str, dict[str, Any]]:
-    """Returns figures of all objects by name; lengths in m, mass in kg, angles in deg."""
-    return {name: _describe(load_object(name)) for name in object_names()}
+def describe_objects() -> tuple[dict[str, dict[str, Any]], list[str]]:
+    """Describes all objects that can be read.
+
+    Returns:
+        Figures by name, lengths in m, mass in kg, angles in deg; and what is wrong with the others.
+    """
+    described, unreadable = {}, []
+    for name in object_names():
+        try:
+            described[name] = _describe(load_object(name))
+        except UserError as error:
+            unreadable.append(str(error))
+    return described, unreadable
 
 
 def _describe(asset: ObjectAsset) -> dict[str, Any]:

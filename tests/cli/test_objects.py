@@ -1,6 +1,7 @@
 """The verb `objects`."""
 
 import json
+import shutil
 from pathlib import Path
 
 import matplotlib.image
@@ -10,6 +11,7 @@ import pytest
 from keypush.cli.main import main
 from keypush.objects.catalogue import catalogue_names
 from keypush.objects.generators.solids import box
+from keypush.objects.library import object_folder
 from keypush.objects.manifolds import to_mesh
 
 
@@ -34,6 +36,25 @@ def test_list(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["objects", "list"]) == 0
     table = capsys.readouterr().out
     assert all(name in table for name in catalogue_names())
+
+
+def test_an_object_that_cannot_be_read_does_not_hide_the_others(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = tmp_path / "data" / "keypush" / "objects" / "mine"
+    shutil.copytree(object_folder("mug"), mine)
+    assert main(["objects", "list", "--json"]) == 0
+    assert "mine" in json.loads(capsys.readouterr().out)
+    text = (mine / "object.json").read_text()
+    (mine / "object.json").write_text(text.replace('"mass": 0.1', '"mass": -1'))
+    for arguments in (["--json"], []):
+        assert main(["objects", "list", *arguments]) == 2
+        captured = capsys.readouterr()
+        assert all(name in captured.out for name in catalogue_names())
+        assert captured.err.startswith(f"keypush: object folder {mine}: cannot be read: ")
+        assert captured.err.count("\n") == 1
+    assert main(["objects", "show", "mine", "--out", str(tmp_path / "o")]) == 2
+    assert "object.json: mass is -1" in capsys.readouterr().err
 
 
 def test_show_writes_a_page_and_a_picture(

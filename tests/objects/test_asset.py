@@ -88,6 +88,65 @@ def test_a_damaged_asset_is_refused_by_its_folder(
     assert "\n" not in str(caught.value)
 
 
+UNIT = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+POSE = {"quaternion_wxyz": [1, 0, 0, 0], "height": 0.03, "tipping_angle": 0.5, "share": 0.4}
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "words"),
+    [
+        ("mass", -1, "mass is -1 and not a number above 0"),
+        ("mass", float("inf"), "mass is inf and not a number"),
+        ("mass", "0.1", "mass is '0.1' and not a number"),
+        ("mass", True, "mass is True and not a number"),
+        ("mass", 10**400, "mass is 1000"),
+        ("colour", [0.1, 0.2], "colour is [0.1, 0.2] and not 3 numbers"),
+        ("colour", [0.1, 0.2, 1.5], "colour is [0.1, 0.2, 1.5] and not three numbers from 0 to 1"),
+        ("centre_of_mass", [0, None, 0], "centre_of_mass is [0, None, 0] and not 3 numbers"),
+        ("inertia_per_mass", [1, 2], "inertia_per_mass is [1, 2] and not 3 x 3 numbers"),
+        ("inertia_per_mass", [UNIT[0], UNIT[1], [0, 0, 3]], "and not the inertia of a body"),
+        ("inertia_per_mass", [UNIT[0], UNIT[1], [0, 0, -1]], "and not the inertia of a body"),
+        ("inertia_per_mass", [[1, 0.5, 0], *UNIT[1:]], "and not the inertia of a body"),
+        ("resting_poses", [], "resting_poses is [] and not a list of one or more"),
+        ("resting_poses", {}, "resting_poses is {} and not a list of one or more"),
+        ("resting_poses", [POSE, 3], "resting_poses[1] is 3 and not a mapping"),
+        ("resting_poses", [{}], "resting_poses[0].quaternion_wxyz is missing"),
+        ("resting_poses", [POSE | {"height": None}], "resting_poses[0].height is None and not a"),
+        (
+            "resting_poses",
+            [POSE | {"quaternion_wxyz": [0, 0, 0, 0]}],
+            "[0].quaternion_wxyz is [0.0, 0.0, 0.0, 0.0] and not a quaternion",
+        ),
+        ("provenance", {}, "provenance.volume is missing"),
+        ("provenance", None, "provenance is None and not a mapping"),
+    ],
+)
+def test_a_field_that_no_object_can_have_is_named(
+    tmp_path: Path, field: str, value: object, words: str
+) -> None:
+    folder = tmp_path / "brick"
+    write_asset(brick(), folder)
+    found = json.loads((folder / "object.json").read_text())
+    (folder / "object.json").write_text(json.dumps({**found, field: value}))
+    with pytest.raises(UserError) as caught:
+        read_asset(folder)
+    assert f"{folder}: cannot be read: object.json: " in str(caught.value)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+    (folder / "object.json").write_text(json.dumps({k: found[k] for k in found if k != field}))
+    with pytest.raises(UserError, match=rf"object\.json: {field} is missing"):
+        read_asset(folder)
+
+
+@pytest.mark.parametrize("text", ["[]", "null", 100_000 * "[", "{"])
+def test_what_is_no_mapping_is_named(tmp_path: Path, text: str) -> None:
+    folder = tmp_path / "brick"
+    write_asset(brick(), folder)
+    (folder / "object.json").write_text(text)
+    with pytest.raises(UserError, match=r"cannot be read: object\.json: "):
+        read_asset(folder)
+
+
 def test_surface_samples_are_the_same_whenever_it_is_read() -> None:
     points, normals = load_object("mug").surface_samples
     again, _ = read_asset(object_folder("mug")).surface_samples
