@@ -11,11 +11,15 @@ TEMPORARY_SUFFIX = ".partial"
 def write_atomically(content: bytes, path: Path) -> None:
     """Writes a file beside `path` and renames it.
 
-    Under its name a file is whole, also after a loss of power.
+    Under its name a file is whole, also after a loss of power. What is there and is no file, such
+    as /dev/stdout, is written to and not replaced.
 
     Raises:
         OSError: the file cannot be written. Nothing is left of it, nor where Ctrl-C interrupts.
     """
+    if path.exists() and not path.is_file():
+        path.write_bytes(content)
+        return
     partial = path.with_name(f".{path.name}.{os.getpid()}{TEMPORARY_SUFFIX}")
     try:
         with partial.open("wb") as file:

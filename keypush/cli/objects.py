@@ -57,14 +57,14 @@ class Show:
         from keypush.objects.library import load_object, make_object
         from keypush.objects.listing import tell_object
         from keypush.recording.object_page import object_page
-        from keypush.recording.object_sheet import write_picture
+        from keypush.recording.object_sheet import render_picture
 
         story = tell_object(load_object(self.name))
         model = make_object(self.name)
         out = prepare_output_dir(self.out)
         page = out / f"{self.name}.html"
         write_output(page, object_page(model, story))
-        write_picture(model, out / f"{self.name}.png")
+        write_output(out / f"{self.name}.png", render_picture(model))
         for line in story:
             print(line)
         print(f"written: {page} and {out / self.name}.png")
@@ -87,7 +87,7 @@ class Sheet:
         """Runs the verb."""
         from keypush.objects.library import make_object, parse_object_list
         from keypush.objects.listing import split_of
-        from keypush.recording.object_sheet import write_sheet
+        from keypush.recording.object_sheet import render_sheet
 
         names = parse_object_list(self.objects)
         prepare_output_dir(self.out.parent)
@@ -96,7 +96,7 @@ class Sheet:
         labelled = [
             (make_object(name), f"{name.replace('_', ' ')} ({split_of(name)})") for name in names
         ]
-        write_sheet(labelled, self.out)
+        write_output(self.out, render_sheet(labelled))
         print(f"written: {self.out}")
 
 

@@ -4,6 +4,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from keypush.atomic_file import write_atomically
 from keypush.errors import UserError
 
 if TYPE_CHECKING:
@@ -51,21 +52,25 @@ def prepare_output_dir(path: Path, holds: str | None = None) -> Path:
     return path
 
 
-def write_output(path: Path, text: str) -> None:
-    """Writes a text file, and the folders that lead to it.
+def write_output(path: Path, content: str | bytes) -> None:
+    """Writes a file whole or not at all, and the folders that lead to it.
 
     Raises:
         UserError: the file cannot be written.
     """
     prepare_output_dir(path.parent)
     try:
-        path.write_text(text, encoding="utf-8")
+        write_atomically(content.encode() if isinstance(content, str) else content, path)
     except OSError as error:
         raise UserError(f"output file {path}: cannot be written: {error.strerror}") from error
 
 
 def save_scenario(scenario: "Scenario", folder: Path) -> None:
-    """Writes the resolved scenario beside the output that it led to."""
+    """Writes the resolved scenario beside the output that it led to.
+
+    Raises:
+        UserError: the file cannot be written.
+    """
     from keypush.scenario import dump_scenario
 
-    (folder / "scenario.yaml").write_text(dump_scenario(scenario), encoding="utf-8")
+    write_output(folder / "scenario.yaml", dump_scenario(scenario))

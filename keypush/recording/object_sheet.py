@@ -1,9 +1,9 @@
 """Pictures of objects: one alone, and many on a sheet, with the centre of mass marked."""
 
+import io
 import multiprocessing
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from pathlib import Path
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -20,22 +20,18 @@ _COM_MARK = (("white", 7.5), ("#d8163a", 4.5))
 """Colours and diameters of the dots on the centre of mass, the lower first."""
 
 
-def write_picture(model: ObjectModel, path: Path, size: int = 640) -> None:
-    """Writes a picture of one object as PNG."""
-    write_sheet([(model, model.name.replace("_", " "))], path, columns=1, size=size)
+def render_picture(model: ObjectModel, size: int = 640) -> bytes:
+    """Returns a picture of one object as PNG."""
+    return render_sheet([(model, model.name.replace("_", " "))], columns=1, size=size)
 
 
-def write_sheet(
-    objects: Sequence[tuple[ObjectModel, str]],
-    path: Path,
-    columns: int = 8,
-    size: int = _PICTURE,
-) -> None:
-    """Writes pictures of objects as one PNG.
+def render_sheet(
+    objects: Sequence[tuple[ObjectModel, str]], columns: int = 8, size: int = _PICTURE
+) -> bytes:
+    """Returns pictures of objects as one PNG.
 
     Args:
         objects: models and what stands below each.
-        path: file to write.
         columns: pictures in a row.
         size: width and height of a picture in pixels.
     """
@@ -54,7 +50,9 @@ def write_sheet(
             left + 0.5 / columns, bottom - 0.25 * (1 / rows - height), label,
             ha="center", va="top", fontsize=11,
         )  # fmt: skip
-    figure.savefig(path, dpi=_DPI, format="png", facecolor="white")
+    file = io.BytesIO()
+    figure.savefig(file, dpi=_DPI, format="png", facecolor="white")
+    return file.getvalue()
 
 
 def _render(objects: Sequence[tuple[ObjectModel, str]], view: View) -> list[Image]:

@@ -1,6 +1,7 @@
 """The verb `objects`."""
 
 import json
+import os
 import shutil
 from pathlib import Path
 
@@ -78,6 +79,31 @@ def test_a_sheet_shows_what_it_is_asked_for(tmp_path: Path) -> None:
     assert picture.shape[1] == 3 * 240
     columns = np.split(picture[:240], 3, axis=1)
     assert all((column[..., :3].min(axis=2) < 0.6).mean() > 0.03 for column in columns)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["show", "mug", "--out", "."], "output file mug.png: cannot be written: Is a directory"),
+        (["sheet", "--objects", "mug", "--out", "/dev/full"], "cannot be written: No space left"),
+    ],
+)
+def test_a_picture_that_cannot_be_written_is_one_line(
+    arguments: list[str],
+    words: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / "mug.png").mkdir()
+    monkeypatch.chdir(tmp_path)
+    if "/dev/full" in arguments and not os.access("/dev", os.W_OK):
+        words = "/dev"  # where no file can be made, that is said
+    assert main(["objects", *arguments]) == 2
+    captured = capsys.readouterr()
+    assert words in captured.err
+    assert captured.err.count("\n") == 1
+    assert Path("/dev/full").is_char_device()
 
 
 def test_check(capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,6 +4,9 @@ import json
 import subprocess
 from pathlib import Path
 
+import pytest
+
+from keypush.cli.main import main
 from keypush.scenario import load_scenario
 from tests.cli.command import KEYPUSH
 
@@ -38,3 +41,13 @@ def _check_files(out: Path) -> None:
     assert summary["final_distance"] > 0.05
     assert load_scenario(out / "scenario.yaml").seed == 2
     assert (out / "recording.html").stat().st_size <= 12_000_000
+
+
+def test_a_file_that_cannot_be_written_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "scenario.yaml").mkdir()
+    assert main(["demo", *SHORT, "--out", str(tmp_path)]) == 2
+    path = tmp_path / "scenario.yaml"
+    expected = f"keypush: output file {path}: cannot be written: Is a directory\n"
+    assert capsys.readouterr().err == expected
