@@ -20,7 +20,7 @@ class Demo(ScenarioOptions):
     after_interrupt: ClassVar[str] = "nothing was recorded"
 
     object: str | None = None
-    """Object to push, by its name in the catalogue."""
+    """Object to push, by its name: a built-in one or one that was added."""
     policy: Policy = None
     out: Path = Path("out/demo")
     """Folder for the results."""

@@ -73,16 +73,19 @@ def parse_object_list(text: str) -> list[str]:
         UserError: there is no such object or group, or none is given.
     """
     names: list[str] = []
-    for word in (word.strip() for word in text.split(",")):
+    words = [word.strip() for word in text.split(",")]
+    for word in words:
         if word in GROUPS:
             names += catalogue_names(word)
         elif word == USER_GROUP:
             names += user_object_names()
         elif word:
             names.append(word)
-            object_folder(word)
+            if _find(word) is None:
+                raise UserError(f"object {word!r} is not there; allowed: {_allowed()}")
     if not names:
-        raise UserError(f"objects is {text!r}, which names none; allowed: {_allowed()}")
+        why = ", since none was added" if USER_GROUP in words else ""
+        raise UserError(f"objects is {text!r}, which names none{why}; allowed: {_allowed()}")
     return list(dict.fromkeys(names))
 
 
@@ -92,12 +95,10 @@ def object_folder(name: str) -> Path:
     Raises:
         UserError: there is no such object.
     """
-    if name in catalogue():
-        return models_dir() / "objects" / name
-    folder = user_objects_dir() / name
-    if _NAME.fullmatch(name) and folder.is_dir():
-        return folder
-    raise UserError(f"object {name!r} is not there; allowed: {_allowed()}")
+    folder = _find(name)
+    if folder is None:
+        raise UserError(f"object {name!r} is not there; allowed: {', '.join(object_names())}")
+    return folder
 
 
 def load_object(name: str) -> ObjectAsset:
@@ -131,5 +132,14 @@ def _load(folder: Path, _changed: int) -> ObjectAsset:
     return read_asset(folder)
 
 
+def _find(name: str) -> Path | None:
+    if name in catalogue():
+        return models_dir() / "objects" / name
+    folder = user_objects_dir() / name
+    return folder if _NAME.fullmatch(name) and folder.is_dir() else None
+
+
 def _allowed() -> str:
-    return ", ".join([*GROUPS, USER_GROUP, *object_names()])
+    """What a list of objects may hold."""
+    groups = [*GROUPS, USER_GROUP] if user_object_names() else [*GROUPS]
+    return ", ".join([*groups, *object_names()])

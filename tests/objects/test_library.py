@@ -15,6 +15,7 @@ from keypush.objects.library import (
     check_new_name,
     load_object,
     make_object,
+    object_folder,
     object_names,
     parse_object_list,
     remove_user_object,
@@ -50,6 +51,8 @@ def test_an_added_object_is_like_a_built_in_one(crate: Path, data_home: Path) ->
     assert folder.is_relative_to(data_home)
     assert object_names() == [*catalogue_names(), "crate"]
     assert parse_object_list("user,mug,crate") == ["crate", "mug"]
+    with pytest.raises(UserError, match=r"; allowed: .*, user, .*, crate$"):
+        parse_object_list("teapot")
     model = make_object("crate", 1.25)
     assert model.mass == 0.2
     assert model.bounding_radius == pytest.approx(0.0625)
@@ -65,6 +68,23 @@ def test_a_taken_name_is_refused_and_the_object_kept(crate: Path) -> None:
     with pytest.raises(UserError, match="'crate', which is taken"):
         add_object_file(crate, "crate", BuildOptions(mass=0.5))
     assert load_object("crate") is before
+
+
+def test_one_object_is_a_name_and_a_list_may_hold_groups(data_home: Path) -> None:
+    names = ", ".join(catalogue_names())
+    assert data_home
+    for name in ("train", "user", "teapot"):
+        with pytest.raises(UserError, match=f"^object '{name}' is not there; allowed: {names}$"):
+            object_folder(name)
+    groups = ", ".join(GROUPS)
+    with pytest.raises(UserError, match=f"^object 'teapot' is not there; allowed: {groups}, "):
+        parse_object_list("mug,teapot")
+    with pytest.raises(UserError) as caught:
+        parse_object_list("user")
+    expected = "objects is 'user', which names none, since none was added; allowed: "
+    assert str(caught.value) == f"{expected}{groups}, {names}"
+    with pytest.raises(UserError, match=r"^objects is ',', which names none; allowed: "):
+        parse_object_list(",")
 
 
 @pytest.mark.parametrize("name", ["", "Crate", "1crate", "a b", "../up", ".hidden", "a" * 41])
