@@ -23,6 +23,7 @@ from stills import open_recordings, side_view, stills
 from tqdm import tqdm
 
 from keypush.atomic_file import write_whole
+from keypush.cli.output import prepare_output_dir
 from keypush.errors import UserError
 from keypush.evaluation.examples import Choice, Example, choose_examples, record_example
 from keypush.evaluation.examples_page import Gallery, render_markdown, render_page
@@ -65,6 +66,7 @@ def make_examples(options: Options) -> Gallery:
     choices = choose_examples(
         records, options.objects, policy=options.policy, most=options.most, seed=options.seed
     )
+    prepare_output_dir(options.out)
     groups: list[tuple[Choice, list[Example]]] = [(choice, []) for choice in choices]
     total = sum(len(choice.records) for choice in choices)
     with tqdm(total=total, unit="recordings", disable=None) as progress:

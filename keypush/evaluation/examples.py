@@ -77,8 +77,13 @@ def choose_examples(
         seed: of the lots; those of an object do not depend on the others.
 
     Raises:
-        UserError: the policy or an object is not in the records, or there are several policies.
+        UserError: the policy or an object is not in the records, or there are several policies;
+            a number is out of range.
     """
+    if most < 1:
+        raise UserError(f"--most is {most}; allowed: 1 or more")
+    if seed < 0:
+        raise UserError(f"--seed is {seed}; allowed: 0 or more")
     rows = records.to_pylist()
     policies = sorted({row["policy"] for row in rows})
     if policy is None and len(policies) > 1:

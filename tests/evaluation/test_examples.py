@@ -1,5 +1,7 @@
 """Examples: the lots, episodes that repeat their records, the page and its Markdown."""
 
+import subprocess
+import sys
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -15,6 +17,9 @@ from keypush.evaluation.examples import MOMENTS, Choice, Example, choose_example
 from keypush.evaluation.examples_page import Gallery, render_markdown, render_page
 from keypush.rollout.job import Job
 from keypush.scenario import parse_scenario
+from tests.reporting.made_up import record, write_run
+
+SCRIPT = Path(__file__).parents[2] / "scripts" / "record_examples.py"
 
 
 def _records(successes: dict[str, list[bool]], policy: str = "surface") -> pa.Table:
@@ -53,6 +58,28 @@ def test_where_fewer_failed_all_of_them_are_shown() -> None:
     assert [choice.found for choice in choices] == [40, 2, 40, 0]
     assert _episodes(choices)[1::2] == [[40, 41], []]
     assert [choice.episodes for choice in choices] == [42, 42, 40, 40]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--most", "0"], "--most is 0; allowed: 1 or more"),
+        (["--most", "-1"], "--most is -1; allowed: 1 or more"),
+        (["--seed", "-1"], "--seed is -1; allowed: 0 or more"),
+        (["--objects", "teapot"], "--objects has teapot; allowed: can"),
+        ([], "output folder OUT: cannot be written: File exists"),
+    ],
+)
+def test_a_mistake_is_told_before_an_episode_runs(
+    arguments: list[str], words: str, tmp_path: Path
+) -> None:
+    write_run(tmp_path / "run", [record(folder=".", object="can")])
+    (tmp_path / "OUT").write_text("")
+    command = [sys.executable, str(SCRIPT), "run", "OUT", "--objects", "can", *arguments]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"record_examples: {words}")  # no scenario was looked for
+    assert done.stderr.count("\n") == 1
 
 
 def test_each_episode_is_drawn_as_often() -> None:
