@@ -1,14 +1,15 @@
 """From an environment's arguments to a scenario and names of objects."""
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
 
 from keypush.errors import UserError
-from keypush.objects.library import object_folder, parse_object_list
+from keypush.objects.library import object_folder, object_names, parse_object_list
 from keypush.scenario import Scenario, load_scenario, parse_scenario
 
 ScenarioSource = Scenario | str | Path | Mapping[str, Any]
@@ -33,13 +34,14 @@ def resolve_scenario(source: ScenarioSource | None) -> Scenario:
         return Scenario()
     if not isinstance(source, Mapping):
         raise UserError(f"scenario is {source!r}; allowed: a Scenario, a path, a mapping of fields")
-    tree: dict[str, Any] = {}
-    for name, value in source.items():
-        _put(tree, str(name), value)
     try:
-        return parse_scenario(yaml.safe_dump(tree))
-    except yaml.YAMLError as error:
+        tree: dict[str, Any] = {}
+        for name, value in source.items():
+            _put(tree, str(name), value)
+        text = yaml.safe_dump(tree)
+    except (yaml.YAMLError, RecursionError) as error:
         raise UserError("scenario: allowed: numbers, texts, lists and mappings of them") from error
+    return parse_scenario(text)
 
 
 def resolve_objects(
@@ -58,10 +60,31 @@ def resolve_objects(
     if single is not None and several is not None:
         raise UserError("object and objects are both given; allowed: one of them")
     if several is not None:
-        return parse_object_list(several if isinstance(several, str) else ",".join(several))
-    name = scenario.object.name if single is None else single
+        return parse_object_list(_joined(several))
+    return [checked_object(scenario.object.name if single is None else single)]
+
+
+def checked_object(name: Any) -> str:
+    """Returns the name of an object.
+
+    Raises:
+        UserError: it is no name, or there is no such object.
+    """
+    if not isinstance(name, str):
+        raise UserError(f"object is {name!r}; allowed: {', '.join(object_names())}")
     object_folder(name)  # says so if there is none
-    return [name]
+    return name
+
+
+def _joined(names: Any) -> str:
+    """Names in one text, as on the command line."""
+    if isinstance(names, str):
+        return names
+    if isinstance(names, Iterable):
+        names = list(names)
+        if all(isinstance(name, str) for name in names):
+            return ",".join(names)
+    raise UserError(f"objects is {names!r}; allowed: names in a list, or in one text")
 
 
 def _put(tree: dict[str, Any], dotted: str, value: Any) -> None:
@@ -74,4 +97,11 @@ def _put(tree: dict[str, Any], dotted: str, value: Any) -> None:
         for name, inner in value.items():
             _put(tree.setdefault(leaf, {}), str(name), inner)
     else:
-        tree[leaf] = value
+        tree[leaf] = _plain(value)
+
+
+def _plain(value: Any) -> Any:
+    """Python's own numbers in place of NumPy's, which YAML does not know."""
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    return [_plain(entry) for entry in value] if isinstance(value, list | tuple) else value

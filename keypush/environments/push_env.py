@@ -10,7 +10,12 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from keypush.environments.configuration import ScenarioSource, resolve_objects, resolve_scenario
+from keypush.environments.configuration import (
+    ScenarioSource,
+    checked_object,
+    resolve_objects,
+    resolve_scenario,
+)
 from keypush.environments.open_episode import OpenEpisode
 from keypush.environments.page import EpisodePage
 from keypush.environments.reward import ENDS, Reward
@@ -113,7 +118,8 @@ class PushEnv(gymnasium.Env[Observation, NDArray[Any]]):
                 `object`, the name of its object.
 
         Raises:
-            UserError: unknown option, seed out of range, no start keeps the scenario's distances.
+            UserError: unknown option or object, seed out of range, no start keeps the scenario's
+                distances.
         """
         super().reset(seed=seed)
         wanted = _checked_options(options)
@@ -220,4 +226,6 @@ def _checked_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
         if not whole or episode < 0:
             raise UserError(f"option episode is {episode!r}; allowed: a whole number from 0")
         wanted["episode"] = int(episode)
+    if "object" in wanted:
+        wanted["object"] = checked_object(wanted["object"])
     return wanted

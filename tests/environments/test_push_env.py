@@ -14,6 +14,7 @@ from gymnasium.utils.env_checker import check_env, data_equivalence
 
 from keypush.dataset.features import FEATURES, cloud_feature
 from keypush.environments import ENVIRONMENT_ID
+from keypush.environments.configuration import resolve_scenario
 from keypush.environments.push_env import PushEnv
 from keypush.errors import UserError
 from keypush.scenario import Scenario, dump_scenario
@@ -152,6 +153,10 @@ def test_an_action_that_is_none_is_refused(environment: PushEnv, action: Any, wo
     [
         ({"object": "teapot"}, "'teapot' is not there"),
         ({"objects": "teapot,block"}, "'teapot' is not there"),
+        ({"object": 5}, "object is 5; allowed: .*block"),
+        ({"object": ["block"]}, r"object is \['block'\]; allowed: .*block"),
+        ({"objects": 5}, "objects is 5; allowed: names in a list, or in one text"),
+        ({"objects": ["block", None]}, r"objects is \['block', None\]; allowed: names in a list"),
         ({"object": "block", "objects": "train"}, "both given"),
         ({"action": "torque"}, "action is 'torque'; allowed: residual, keypoint"),
         ({"extras": ["force"]}, "extras has 'force'; allowed: state"),
@@ -163,6 +168,7 @@ def test_an_action_that_is_none_is_refused(environment: PushEnv, action: Any, wo
         ({"scenario": {"noise": 3, "noise.cloud_points": 30}}, "given twice"),
         ({"scenario": {"noise": {"clouds": 3}}}, r"noise\.clouds is unknown"),
         ({"scenario": {"seed": object()}}, "allowed: numbers, texts"),
+        ({"scenario": {"noise.cloud_deviation": np.float64(1)}}, r"cloud_deviation is 1\.0; allow"),
         ({"scenario": "none.yaml"}, "cannot be read"),
         ({"scenario": 3}, "scenario is 3"),
     ],
@@ -179,6 +185,8 @@ def test_a_users_mistake_is_told(arguments: dict[str, Any], words: str) -> None:
         ({"options": {"episode": -1}}, "episode is -1"),
         ({"options": {"episode": 1.5}}, "episode is 1.5"),
         ({"options": {"object": "teapot"}}, "'teapot' is not there"),
+        ({"options": {"object": None}}, "object is None; allowed: .*block"),
+        ({"options": {"object": 5}}, "object is 5; allowed: .*block"),
         ({"seed": 2**60}, "seed is 1152921504606846976"),
     ],
 )
@@ -200,6 +208,28 @@ def test_a_scenario_may_come_from_anywhere(tmp_path: Path) -> None:
     assert _same(seen[0], seen[1])
     assert _same(seen[0], seen[2])
     assert scenario.seed == 0, "the caller's scenario is the caller's own"
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    scenario = resolve_scenario(
+        {
+            "seed": np.int64(3),
+            "noise": {"cloud_deviation": np.float64(0), "cloud_points": np.uint16(64)},
+            "episode.goal": [np.float32(0.125), 0],
+            "robot.base_position": np.array([-0.5, 0.0, 0.25]),
+            "planner.reaim": np.bool_(False),
+            "object.name": np.str_("can"),
+        }
+    )
+    expected = {
+        "seed": 3,
+        "noise": {"cloud_deviation": 0.0, "cloud_points": 64},
+        "episode.goal": [0.125, 0],
+        "robot.base_position": (-0.5, 0.0, 0.25),
+        "planner.reaim": False,
+        "object.name": "can",
+    }
+    assert scenario == resolve_scenario(expected)
 
 
 def test_close_frees_the_diagrams() -> None:
