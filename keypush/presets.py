@@ -1,4 +1,4 @@
-"""Settings that have a name: some fields of a configuration, where the user has not set them."""
+"""Settings that have a name: some fields of a configuration, where these are at their defaults."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -16,7 +16,8 @@ def with_preset[Config: "DataclassInstance"](
     """Returns a configuration with the fields of a preset.
 
     Args:
-        config: its fields stay what they are where they differ from the defaults.
+        config: its fields stay what they are where they differ from the defaults. A field at its
+            default counts as not given, since scenario files that were written hold every field.
         what: the preset's kind, for the message.
         presets: fields that differ from the defaults, by the preset's name.
         name: one of them.

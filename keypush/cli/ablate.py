@@ -44,8 +44,8 @@ class Ablate:
     report: Path | None = None
     """A Markdown file to write the page to as well, its plots beside it."""
     preset: Literal["affordable", "thesis"] = "affordable"
-    """Settings of the heads, as for `keypush train`, but always on cached tokens; fields of --head
-    that are given go before."""
+    """Settings of the heads, as for `keypush train`, but always on cached tokens. Fields of --head
+    that differ from their defaults go before; one at its default counts as not given."""
     head: AblationHead = field(default_factory=AblationHead)
     """Settings of every head."""
     pretraining: PretrainConfig = field(default_factory=PretrainConfig)

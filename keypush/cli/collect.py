@@ -20,7 +20,8 @@ class Collect(ScenarioOptions, ParallelOptions):
     """
 
     expert: Literal["tuned", "thesis"] = "tuned"
-    """Settings of the expert."""
+    """Settings of the expert. Fields of planner in the scenario that differ from their defaults go
+    before; one at its default counts as not given."""
     objects: Annotated[str, tyro.conf.arg(metavar=OBJECTS)] = "train"
     """Objects to push."""
     episodes_per_object: int = 100

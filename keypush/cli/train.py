@@ -36,8 +36,8 @@ class Train:
     """keypoint and behavior_cloning: weights of the kind contact, by name or path; by default those
     that ship."""
     preset: Literal["affordable", "thesis"] = "affordable"
-    """keypoint and behavior_cloning: the thesis' own settings or those that take minutes; fields of
-    --head that are given go before."""
+    """keypoint and behavior_cloning: the thesis' own settings or those that take minutes. Fields of
+    --head that differ from their defaults go before; one at its default counts as not given."""
     surface: TrainingConfig = field(default_factory=TrainingConfig)
     """Settings of surface_keypoint."""
     head: ImitationConfig = field(default_factory=ImitationConfig)

@@ -45,6 +45,16 @@ def test_every_option_is_explained(verb: str, capsys: pytest.CaptureFixture[str]
         pytest.fail(f"{option} has no explanation")
 
 
+@pytest.mark.parametrize("verb", ["collect", "train", "ablate"])
+def test_help_says_which_fields_go_before_a_presets(
+    verb: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        main([verb, "--help"])
+    text = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    assert "that differ from their defaults go before; one at its default counts as not" in text
+
+
 def test_version() -> None:
     assert keypush("--version").stdout == f"keypush {version('keypush')}\n"
 

@@ -6,7 +6,7 @@ import pytest
 
 from keypush.errors import UserError
 from keypush.planning.presets import EXPERTS, expert_scenario
-from keypush.scenario import PlannerConfig, Scenario
+from keypush.scenario import PlannerConfig, Scenario, parse_scenario
 
 
 @pytest.mark.parametrize("name", EXPERTS)
@@ -29,6 +29,12 @@ def test_what_the_user_sets_stays() -> None:
     planner = expert_scenario(mine, "thesis").planner
     assert (planner.reset_period, planner.push_speed) == (7, 0.1)
     assert planner.wrist_yaw_deg == 0.0
+
+
+def test_a_field_at_its_default_counts_as_not_given() -> None:
+    mine = parse_scenario("planner: {reset_period: 0, wrist_yaw_deg: 90}")
+    planner = expert_scenario(mine, "thesis").planner
+    assert (planner.reset_period, planner.wrist_yaw_deg) == (20, 0.0)
 
 
 def test_an_unknown_expert_is_the_users_mistake() -> None:
