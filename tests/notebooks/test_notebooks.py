@@ -1,5 +1,6 @@
 """Every notebook runs as it is, shows what it promises, and is stored without what it printed."""
 
+import ast
 from collections.abc import Iterator
 from html import escape
 from pathlib import Path
@@ -7,6 +8,8 @@ from pathlib import Path
 import nbformat
 import pytest
 from nbclient import NotebookClient
+
+from keypush.systems.episode_monitor import Outcome
 
 FOLDER = Path(__file__).parents[2] / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
@@ -27,6 +30,18 @@ def test_there_are_notebooks() -> None:
 def test_a_notebook_is_stored_without_outputs(path: Path) -> None:
     cells = nbformat.read(path, as_version=4).cells
     assert not any(cell.get("outputs") or cell.get("execution_count") for cell in cells)
+
+
+def test_every_outcome_has_a_colour() -> None:
+    """One that the notebook's own policies never have would end it where a reader's has it."""
+    cells = nbformat.read(FOLDER / "evaluate.ipynb", as_version=4).cells
+    statements = next(
+        ast.parse(cell.source).body for cell in cells if cell.source.startswith("colours = ")
+    )
+    assert isinstance(statements[0], ast.Assign)
+    colours = ast.literal_eval(statements[0].value)
+    assert {Outcome[name.upper()] for name in colours} == set(Outcome) - {Outcome.RUNNING}
+    assert len(set(colours.values())) == len(colours)
 
 
 @pytest.mark.timeout(600)  # they take half a minute; a busy machine may starve them
