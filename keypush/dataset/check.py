@@ -9,21 +9,21 @@ import pyarrow as pa
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from keypush.dataset.arrays import to_array
+from keypush.dataset.arrays import not_finite, to_array
 from keypush.dataset.features import CLOUD
 from keypush.dataset.job_file import read_job
 from keypush.dataset.keypoint import keypoints
 from keypush.dataset.layout import DATA_PATH
-from keypush.dataset.poses import rotations
+from keypush.dataset.poses import POSES, QUATERNION_ERROR, quaternion_errors, rotations
 from keypush.dataset.read import DataSet
 from keypush.objects.library import make_object
+from keypush.scenario import load_scenario
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
 LONGEST_TIME_ERROR = 1e-5
 """s; a frame's time is a float32."""
-QUATERNION_ERROR = 1e-6
 MOST_LABEL_DISTANCE = 0.02
 """Of a keypoint from the object's surface, m: several contacts have their centroid between them."""
 LABEL_ERROR = 1e-6
@@ -58,8 +58,10 @@ def check_dataset(dataset: DataSet) -> dict[str, Check]:
     """Reads every frame once and returns all checks by name.
 
     Raises:
-        UserError: a file is damaged, or an object is not there any more.
+        UserError: a file is missing or damaged, or an object is not there any more.
     """
+    dataset.check_statistics()
+    load_scenario(dataset.scenario)
     checks = {
         "episodes": _every_episode_once(dataset),
         "lengths": _lengths(dataset.episodes, dataset.frames),
@@ -67,12 +69,24 @@ def check_dataset(dataset: DataSet) -> dict[str, Check]:
     }
     if not checks["lengths"].ok:
         return checks
+    return checks | _measured(dataset)
+
+
+def _measured(dataset: DataSet) -> dict[str, Check]:
+    """Takes every measure of every part, but for those that need poses where these are none."""
     worst = dict.fromkeys(_MEASURES, 0.0)
+    bad: list[str] = []
     for part in _parts(dataset):
         for name, (measure, _, _) in _MEASURES.items():
-            worst[name] = max(worst[name], measure(dataset, part))
+            if not (bad and name in _NEED_POSES):
+                worst[name] = max(worst[name], measure(dataset, part))
+            bad = [name for name in _GIVE_POSES if worst[name] > _MEASURES[name][1]]
+    checks = {}
     for name, (_, limit, allowed) in _MEASURES.items():
-        checks[name] = Check(worst[name] <= limit, f"{worst[name]:.4g}", allowed)
+        if bad and name in _NEED_POSES:
+            checks[name] = Check(False, f"not measured, because {bad[0]} is wrong", allowed)
+        else:
+            checks[name] = Check(worst[name] <= limit, f"{worst[name]:.4g}", allowed)
     return checks
 
 
@@ -165,19 +179,13 @@ def _wrong_ends(dataset: DataSet, part: _Part) -> float:
 def _not_finite(dataset: DataSet, part: _Part) -> float:
     count = 0
     for feature in dataset.features:
-        values = part.columns[feature.name]
-        if values.dtype.kind == "f":
-            bad = np.isinf(values) if feature.may_be_nan else ~np.isfinite(values)
-            count += int(bad.sum())
+        bad = not_finite(part.columns[feature.name], may_be_nan=feature.may_be_nan)
+        count += int(bad.sum())
     return float(count)
 
 
 def _quaternion_error(dataset: DataSet, part: _Part) -> float:  # noqa: ARG001  # one signature
-    errors = [
-        np.abs(np.linalg.norm(part.columns[name][:, :4].astype(np.float64), axis=1) - 1)
-        for name in ("observation.object_pose", "observation.tool_pose")
-    ]
-    return _largest(np.concatenate(errors))
+    return _largest(np.concatenate([quaternion_errors(part.columns[name]) for name in POSES]))
 
 
 def _label_error(dataset: DataSet, part: _Part) -> float:  # noqa: ARG001  # one signature
@@ -236,7 +244,10 @@ _MEASURES: dict[str, tuple[_Measure, float, str]] = {
         _time_error, LONGEST_TIME_ERROR, f"at most {LONGEST_TIME_ERROR:g} s off the step's time"
     ),
     "ends": (_wrong_ends, 0.0, "0 frames whose next.done or next.success is wrong"),
-    "finite": (_not_finite, 0.0, "0 numbers that are not finite where they must be"),
+    "finite": (
+        _not_finite, 0.0,
+        "0 numbers that are not finite, but for points that are not there: NaN in all three",
+    ),
     "quaternions": (_quaternion_error, QUATERNION_ERROR, f"norm 1 up to {QUATERNION_ERROR:g}"),
     "labels": (
         _label_error, LABEL_ERROR, f"at most {LABEL_ERROR:g} m off what contacts and poses give"
@@ -248,3 +259,6 @@ _MEASURES: dict[str, tuple[_Measure, float, str]] = {
     "clouds": (_cloud_distance, 1.0, "clouds about the object, in its bounding radii"),
 }  # fmt: skip
 """Of each check: what is measured, the limit, and what is allowed in words."""
+_GIVE_POSES = ("finite", "quaternions")
+_NEED_POSES = ("labels", "label_distance", "clouds")
+"""They are measured of data only that pass those above."""

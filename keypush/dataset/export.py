@@ -1,6 +1,7 @@
 """Copies of a data set that hold more than it stores."""
 
 from pathlib import Path
+from typing import Any
 
 import pyarrow as pa
 
@@ -24,7 +25,7 @@ def export_clouds(dataset: DataSet, out: Path) -> None:
 
     Raises:
         UserError: the data set has clouds already, `out` is its own folder or holds another data
-            set, or an object is not there any more.
+            set, an object is not there any more, or see `DataSet.each_episode`.
     """
     if any(feature.name == CLOUD for feature in dataset.features):
         raise UserError(f"{dataset.folder}: has {CLOUD} already; allowed: a data set without it")
@@ -40,5 +41,13 @@ def export_clouds(dataset: DataSet, out: Path) -> None:
         for told, frames in dataset.each_episode():
             columns = {name: to_array(frames[name]) for name in frames.column_names}
             columns[CLOUD] = episode_clouds(noise, told, columns["observation.object_pose"])
-            (task,) = told["tasks"]
-            writer.add(columns, task, {name: told[name] for name in own.names})
+            writer.add(columns, _only_task(dataset, told), {name: told[name] for name in own.names})
+
+
+def _only_task(dataset: DataSet, told: dict[str, Any]) -> str:
+    if len(told["tasks"]) != 1:
+        raise UserError(
+            f"{dataset.folder}: tasks is {told['tasks']} in episode {told['episode_index']}; "
+            "allowed: one"
+        )
+    return str(told["tasks"][0])

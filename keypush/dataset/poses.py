@@ -4,6 +4,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+POSES = ("observation.object_pose", "observation.tool_pose")
+"""The fields that are poses."""
+QUATERNION_ERROR = 1e-6
+"""By how much the norm of a stored quaternion may be off 1."""
+
+
+def quaternion_errors(poses: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Returns by how much the quaternions of poses (n, 7) are off norm 1, (n,)."""
+    norms = np.linalg.norm(poses[:, :4].astype(np.float64), axis=1)
+    return np.asarray(np.abs(norms - 1))
+
 
 def rotations(poses: NDArray[np.floating]) -> NDArray[np.float64]:
     """Returns the rotation matrices (n, 3, 3) of poses (n, 7), quaternion first, scalar first."""

@@ -8,9 +8,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from keypush.dataset.arrays import not_finite, null_count, to_array
+from keypush.dataset.episode_stats import STATS
 from keypush.dataset.features import CLOUD, FEATURES, Feature, arrow_schema, cloud_feature
 from keypush.dataset.layout import (
     CODEBASE_VERSION,
@@ -22,8 +25,10 @@ from keypush.dataset.layout import (
     JOB,
     KEYPUSH_FORMAT,
     SCENARIO,
+    STATS_FILE,
     TASKS,
 )
+from keypush.dataset.poses import POSES, QUATERNION_ERROR, quaternion_errors
 from keypush.errors import UserError, one_line
 
 _ALLOWED = "allowed: a data set that `keypush collect` or `keypush dataset export` wrote"
@@ -38,6 +43,8 @@ SUMMARY_TYPES = {
     "steps": pa.int64(),
 }
 """What keypush itself reads of each episode, besides `EPISODE_COLUMNS`."""
+_LEAST = {"length": 1, "seed": 0, "episode": 0}
+"""The least that an episode's numbers may be."""
 
 
 @dataclass(frozen=True)
@@ -82,19 +89,38 @@ class DataSet:
         with _explained(path):
             table = pq.read_table(path)
         _check_columns(path, table.schema, wanted, exact=True)
+        _check_no_nulls(path, table)
         return dict(zip(*(table[name].to_pylist() for name in wanted.names), strict=True))
+
+    def check_statistics(self) -> None:
+        """Checks that there are statistics of every field; nothing of keypush reads them.
+
+        Raises:
+            UserError: the file is missing, damaged or foreign.
+        """
+        path = self.folder / STATS_FILE
+        found = _read_json(path)
+        for feature in self.features:
+            entry = found.get(feature.name)
+            if not isinstance(entry, dict) or not entry.keys() >= set(STATS):
+                raise UserError(
+                    f"{path}: of {feature.name} not all statistics are there; allowed: "
+                    f"{', '.join(STATS)}"
+                )
 
     def batches(self, columns: Sequence[str]) -> Iterator[pa.Table]:
         """Yields some fields of all frames, a row group at a time.
 
         Raises:
-            UserError: a file is damaged.
+            UserError: a file is damaged, or a value is missing.
         """
         for path in self.files:
             with _explained(path):
                 file = pq.ParquetFile(path, page_checksum_verification=True)
                 for group in range(file.num_row_groups):
-                    yield file.read_row_group(group, columns=list(columns))
+                    table = file.read_row_group(group, columns=list(columns))
+                    _check_no_nulls(path, table)
+                    yield table
 
     def read(self, columns: Sequence[str]) -> pa.Table:
         """Reads some fields of all frames; raises as `batches`."""
@@ -102,7 +128,7 @@ class DataSet:
         return pa.concat_tables([schema.empty_table(), *self.batches(schema.names)])
 
     def each_episode(self) -> Iterator[tuple[dict[str, Any], pa.Table]]:
-        """Yields what is told of each episode, and its frames; raises as `batches`."""
+        """Yields what is told of each episode, and its frames; raises as `episode`."""
         names = [feature.name for feature in self.features]
         batches = self.batches(names)
         rest = arrow_schema(self.features).empty_table()
@@ -116,6 +142,7 @@ class DataSet:
                         f"{EPISODES_PATH.partition('/chunk')[0]} says"
                     )
                 rest = pa.concat_tables([rest, batch])
+            self._check_frames(number, rest.slice(0, told["length"]))
             yield told, rest.slice(0, told["length"])
             rest = rest.slice(told["length"])
 
@@ -123,7 +150,8 @@ class DataSet:
         """Reads what is told of one episode, and its frames.
 
         Raises:
-            UserError: there is no such episode, or a file is damaged.
+            UserError: there is no such episode, a file is damaged, or numbers of its frames are
+                not finite or no poses.
         """
         if not 0 <= number < len(self.episodes):
             raise UserError(
@@ -143,7 +171,22 @@ class DataSet:
             raise UserError(
                 f"{path}: episode {number} has {len(frames)} frames; allowed: {told['length']}"
             )
+        _check_no_nulls(path, frames)
+        self._check_frames(number, frames)
         return told, frames
+
+    def _check_frames(self, number: int, frames: pa.Table) -> None:
+        for feature in self.features:
+            values = to_array(frames[feature.name])
+            bad = not_finite(values, may_be_nan=feature.may_be_nan).any(axis=1)
+            if not bad.any() and feature.name in POSES:
+                bad = quaternion_errors(values) > QUATERNION_ERROR
+            if bad.any():
+                step = int(bad.argmax())
+                raise UserError(
+                    f"{self.folder}: {feature.name} is {values[step].tolist()} in frame {step} of "
+                    f"episode {number}; allowed: what `keypush dataset check` lets pass"
+                )
 
 
 def open_dataset(folder: Path) -> DataSet:
@@ -250,7 +293,10 @@ def _read_episodes(folder: Path) -> pa.Table:
             schema = pq.read_schema(path)
             _check_columns(path, schema, wanted, exact=False)
             names = [name for name in schema.names if not name.startswith("stats/")]
-            tables.append(pq.read_table(path, columns=names, page_checksum_verification=True))
+            table = pq.read_table(path, columns=names, page_checksum_verification=True)
+        _check_no_nulls(path, table.select(wanted.names))
+        _check_ranges(path, table)
+        tables.append(table)
     return pa.concat_tables(tables, promote_options="permissive").combine_chunks()
 
 
@@ -273,3 +319,23 @@ def _check_columns(path: Path, found: pa.Schema, wanted: pa.Schema, *, exact: bo
     foreign = sorted(set(found.names) - set(wanted.names))
     if exact and foreign:
         raise UserError(f"{path}: foreign columns: {', '.join(foreign)}; {_ALLOWED}")
+
+
+def _check_no_nulls(path: Path, table: pa.Table) -> None:
+    for name in table.column_names:
+        missing = null_count(table[name])
+        if missing:
+            raise UserError(
+                f"{path}: column {name} has no value in {missing} places; allowed: a value in each"
+            )
+
+
+def _check_ranges(path: Path, episodes: pa.Table) -> None:
+    ratios = to_array(episodes["size_ratio"])
+    fine = np.isfinite(ratios) & (ratios > 0)
+    if not fine.all():
+        raise UserError(f"{path}: size_ratio is {ratios[~fine][0]:g}; allowed: above 0, finite")
+    for name, least in _LEAST.items():
+        found = int(to_array(episodes[name]).min(initial=least))
+        if found < least:
+            raise UserError(f"{path}: {name} is {found}; allowed: from {least}")

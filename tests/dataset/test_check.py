@@ -10,7 +10,7 @@ import pytest
 from keypush.dataset.check import check_dataset
 from keypush.dataset.read import open_dataset
 from keypush.errors import UserError
-from tests.dataset.edit import DATA, EPISODES, edit_table, set_values
+from tests.dataset.edit import DATA, EPISODES, edit_json, edit_table, set_values
 
 
 def test_good_data_sets_pass(synthetic: Path, real: Path) -> None:
@@ -55,6 +55,8 @@ def _shift_labels_and_contacts(folder: Path) -> None:
         (DATA, "next.success", _put(9, False), "ends"),
         (DATA, "observation.com", _move(7, 1, np.nan), "finite"),
         (DATA, "action", _move(7, 5, np.inf), "finite"),
+        (DATA, "contact.analytic", _move(7, 1, np.nan), "finite"),
+        (DATA, "contact.measured", _move(7, 1, np.nan), "finite"),
         (DATA, "observation.object_pose", _move(7, 3, 1e-3), "quaternions"),
         (DATA, "observation.tool_pose", _move(7, 1, 1e-3), "quaternions"),
         (DATA, "keypoint", _move(7, 0, 1e-4), "labels"),
@@ -70,6 +72,26 @@ def test_what_is_wrong_is_found(
     assert checks[check].found
 
 
+@pytest.mark.parametrize(
+    ("column", "change", "check"),
+    [
+        ("observation.object_pose", lambda v: v[7].__setitem__(slice(4), [0.0] * 4), "quaternions"),
+        ("observation.object_pose", lambda v: v[7].__setitem__(slice(4), [np.nan] * 4), "finite"),
+        ("observation.object_pose", _put(7, [np.nan] * 7), "finite"),
+    ],
+)
+def test_what_needs_poses_is_not_measured_without(
+    copy: Path, column: str, change: Callable[[list[Any]], object], check: str
+) -> None:
+    edit_table(copy / DATA, lambda table: set_values(table, column, change))
+    checks = check_dataset(open_dataset(copy))
+    assert not checks[check].ok
+    for name in ("labels", "label_distance", "clouds"):
+        assert not checks[name].ok
+        assert checks[name].found == f"not measured, because {check} is wrong"
+    assert checks["times"].ok
+
+
 def test_labels_far_from_the_object_are_found(copy: Path) -> None:
     _shift_labels_and_contacts(copy)
     checks = check_dataset(open_dataset(copy))
@@ -82,6 +104,12 @@ def test_labels_far_from_the_object_are_found(copy: Path) -> None:
     [
         (lambda f: (f / "meta/job.yaml").unlink(), r"meta/job\.yaml: cannot be read"),
         (lambda f: (f / "meta/job.yaml").write_text("{objects: []}"), r"objects is \[\]"),
+        (lambda f: (f / "meta/scenario.yaml").unlink(), r"meta/scenario\.yaml: cannot be read"),
+        (lambda f: (f / "meta/stats.json").unlink(), r"meta/stats\.json: cannot be read"),
+        (
+            lambda f: edit_json(f / "meta/stats.json", lambda s: s["action"].pop("std")),
+            r"meta/stats\.json: of action not all statistics are there; allowed: min, max",
+        ),
         (lambda f: (f / "meta/tasks.parquet").unlink(), r"tasks\.parquet: cannot be read"),
         (
             lambda f: edit_table(f / "meta/tasks.parquet", lambda t: t.drop_columns(["task"])),

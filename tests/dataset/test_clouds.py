@@ -1,5 +1,6 @@
 """Clouds are rebuilt from frames, bit for bit as the sensor gave them."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from keypush.dataset.features import CLOUD, FEATURES
 from keypush.dataset.read import open_dataset
 from keypush.errors import UserError
 from keypush.rollout.episode import EpisodeRunner
+from tests.dataset.edit import EPISODES, edit_table, set_values
 from tests.dataset.real_shards import OBJECTS, scenario
 
 
@@ -70,6 +72,14 @@ def test_the_exported_copy_has_them(real: Path, tmp_path: Path) -> None:
     checks = check_dataset(copy)
     assert all(check.ok for check in checks.values())
     assert checks["clouds"].found != "0"
+
+
+def test_an_episode_without_a_task_is_not_exported(real: Path, tmp_path: Path) -> None:
+    copy = shutil.copytree(real / "meta", tmp_path / "copy" / "meta").parent
+    shutil.copytree(real / "data", copy / "data")
+    edit_table(copy / EPISODES, lambda t: set_values(t, "tasks", lambda v: v.__setitem__(1, [])))
+    with pytest.raises(UserError, match=r"tasks is \[\] in episode 1; allowed: one"):
+        export_clouds(open_dataset(copy), tmp_path / "out")
 
 
 def test_exports_that_make_no_sense_are_refused(real: Path, tmp_path: Path) -> None:

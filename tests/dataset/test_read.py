@@ -1,5 +1,6 @@
 """Data sets that are damaged or foreign are refused in one line that names what is wrong."""
 
+import math
 import re
 import shutil
 from collections.abc import Callable
@@ -15,7 +16,7 @@ from keypush.dataset.check import check_dataset
 from keypush.dataset.read import open_dataset
 from keypush.dataset.statistics import dataset_statistics
 from keypush.errors import UserError
-from tests.dataset.edit import DATA, EPISODES, edit_json, edit_table, set_column
+from tests.dataset.edit import DATA, EPISODES, edit_json, edit_table, set_column, set_values
 
 INFO = "meta/info.json"
 
@@ -26,6 +27,10 @@ def _info(change: Callable[[dict[str, Any]], object]) -> Callable[[Path], object
 
 def _table(file: str, change: Callable[[pa.Table], pa.Table]) -> Callable[[Path], object]:
     return lambda folder: edit_table(folder / file, change)
+
+
+def _episode(column: str, value: object) -> Callable[[Path], object]:
+    return _table(EPISODES, lambda t: set_values(t, column, lambda v: v.__setitem__(4, value)))
 
 
 def _feature(name: str, **entry: object) -> Callable[[Path], object]:
@@ -73,6 +78,15 @@ DAMAGES: list[tuple[Callable[[Path], object], str]] = [
         _table(EPISODES, lambda t: set_column(t, "length", t["length"].cast(pa.int32()))),
         "column length is int32; allowed: int64",
     ),
+    *(
+        (_episode(column, None), f"column {column} has no value in 1 places; allowed: a value in")
+        for column in ("size_ratio", "success", "seed", "object", "tasks", "length")
+    ),
+    (_episode("size_ratio", 0.0), "size_ratio is 0; allowed: above 0, finite"),
+    (_episode("size_ratio", -1.0), "size_ratio is -1; allowed: above 0"),
+    (_episode("size_ratio", math.nan), "size_ratio is nan; allowed: above 0"),
+    (_episode("length", 0), "length is 0; allowed: from 1"),
+    (_episode("seed", -1), "seed is -1; allowed: from 0"),
 ]
 
 
@@ -111,6 +125,35 @@ def _complaint(folder: Path) -> str:
         return str(error)
     assert all(check.ok for check in checks.values())
     return f"nothing is wrong with {DATA}"
+
+
+@pytest.mark.parametrize("value", [None, [1.0, None, 2.0]])
+def test_frames_without_a_value_are_refused(copy: Path, value: object) -> None:
+    _table(DATA, lambda t: set_values(t, "keypoint", lambda v: v.__setitem__(7, value)))(copy)
+    dataset = open_dataset(copy)
+    for read in (check_dataset, dataset_statistics, lambda d: d.episode(1)):
+        with pytest.raises(UserError, match="column keypoint has no value in 1 places"):
+            read(dataset)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda v: v[7].__setitem__(slice(4), [0.0] * 4),
+        lambda v: v[7].__setitem__(2, math.nan),
+    ],
+)
+def test_an_episode_with_frames_that_are_no_poses_is_refused(
+    copy: Path, change: Callable[[list[Any]], object]
+) -> None:
+    _table(DATA, lambda t: set_values(t, "observation.object_pose", change))(copy)
+    dataset = open_dataset(copy)
+    told = r"observation\.object_pose is \[.*\] in frame 2 of episode 1; allowed: what `keypush"
+    with pytest.raises(UserError, match=told):
+        dataset.episode(1)
+    with pytest.raises(UserError, match=told):
+        list(dataset.each_episode())
+    assert len(dataset.episode(0)[1]) == 5
 
 
 def test_there_is_no_such_episode(synthetic: Path) -> None:
