@@ -97,10 +97,11 @@ class Export:
         """Runs the verb."""
         if not self.clouds:
             raise UserError("--clouds is not given; allowed: --clouds, there is no other export")
-        from keypush.dataset.export import export_clouds
+        from keypush.dataset.export import check_export, export_clouds
         from keypush.dataset.read import open_dataset
 
         dataset = open_dataset(self.data)
+        check_export(dataset, self.out)
         export_clouds(dataset, prepare_output_dir(self.out))
         print(f"{len(dataset.episodes)} episodes, {dataset.frames} frames in {self.out}")
 

@@ -24,13 +24,10 @@ def export_clouds(dataset: DataSet, out: Path) -> None:
         out: folder for the copy; made if missing.
 
     Raises:
-        UserError: the data set has clouds already, `out` is its own folder or holds another data
-            set, an object is not there any more, or see `DataSet.each_episode`.
+        UserError: see `check_export`; or `out` holds another data set, an object is not there any
+            more, or see `DataSet.each_episode`.
     """
-    if any(feature.name == CLOUD for feature in dataset.features):
-        raise UserError(f"{dataset.folder}: has {CLOUD} already; allowed: a data set without it")
-    if out.resolve() == dataset.folder.resolve():
-        raise UserError(f"output folder {out}: is the data set's own; allowed: another folder")
+    check_export(dataset, out)
     noise = load_scenario(dataset.scenario).noise
     features = (*dataset.features, cloud_feature(noise.cloud_points))
     own = pa.schema([f for f in dataset.episodes.schema if f.name not in EPISODE_COLUMNS.names])
@@ -42,6 +39,21 @@ def export_clouds(dataset: DataSet, out: Path) -> None:
             columns = {name: to_array(frames[name]) for name in frames.column_names}
             columns[CLOUD] = episode_clouds(noise, told, columns["observation.object_pose"])
             writer.add(columns, _only_task(dataset, told), {name: told[name] for name in own.names})
+
+
+def check_export(dataset: DataSet, out: Path) -> None:
+    """Checks that a data set can be exported to a folder, before the folder is made.
+
+    Raises:
+        UserError: the data set has clouds already, or `out` is its own folder or lies in it, where
+            the copy's files would pass for its own.
+    """
+    if any(feature.name == CLOUD for feature in dataset.features):
+        raise UserError(f"{dataset.folder}: has {CLOUD} already; allowed: a data set without it")
+    if out.resolve().is_relative_to(dataset.folder.resolve()):
+        raise UserError(
+            f"output folder {out}: is the data set's own, or inside it; allowed: another folder"
+        )
 
 
 def _only_task(dataset: DataSet, told: dict[str, Any]) -> str:

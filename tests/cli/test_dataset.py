@@ -74,6 +74,7 @@ MISTAKES: list[tuple[list[str], list[str]]] = [
     (["export", "nowhere", "--clouds", "--out", "e"], ["nowhere/meta/info.json"]),
     (["export", "DATA", "--clouds", "--out", "file"], ["output folder file", "exists"]),
     (["export", "DATA", "--clouds", "--out", "DATA"], ["is the data set's own"]),
+    (["export", "DATA", "--clouds", "--out", "DATA/data/e"], ["is the data set's own, or inside"]),
 ]
 
 
@@ -88,9 +89,11 @@ def test_mistakes_are_one_line_and_status_2(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("")
-    assert main(["dataset", *(str(data) if a == "DATA" else a for a in arguments)]) == 2
+    before = sorted(data.rglob("*"))
+    assert main(["dataset", *(a.replace("DATA", str(data)) for a in arguments)]) == 2
     captured = capsys.readouterr()
     assert captured.err.startswith("keypush: ")
     assert captured.err.count("\n") == 1
     assert all(word in captured.err for word in words)
     assert not (tmp_path / "e").exists()
+    assert sorted(data.rglob("*")) == before

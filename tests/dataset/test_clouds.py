@@ -84,8 +84,11 @@ def test_an_episode_without_a_task_is_not_exported(real: Path, tmp_path: Path) -
 
 def test_exports_that_make_no_sense_are_refused(real: Path, tmp_path: Path) -> None:
     dataset = open_dataset(real)
-    with pytest.raises(UserError, match="is the data set's own; allowed: another folder"):
-        export_clouds(dataset, real)
+    for inside in (real, real / "data", real / "data" / "copy"):
+        with pytest.raises(
+            UserError, match="is the data set's own, or inside it; allowed: another"
+        ):
+            export_clouds(dataset, inside)
     export_clouds(dataset, tmp_path / "out")
     with pytest.raises(UserError, match=r"has observation\.point_cloud already"):
         export_clouds(open_dataset(tmp_path / "out"), tmp_path / "twice")
