@@ -50,8 +50,7 @@ def make_job(
         episodes: per object.
 
     Raises:
-        UserError: an option is out of range, an object is not there, or weights are not there or
-            do not fit the policy.
+        UserError: an option is out of range, an object is not there, or see `provenance`.
     """
     from keypush.objects.library import parse_object_list
     from keypush.rollout.job import Job

@@ -9,7 +9,7 @@ from keypush.learning.card import weights_path
 from keypush.learning.kinds import read_sizes
 from keypush.learning.model import PolicyModel
 from keypush.learning.own_policy import own_model
-from keypush.learning.predict import read_model
+from keypush.learning.predict import check_cloud_points, read_model
 from keypush.policies import POLICIES, is_own_policy, weights_name
 
 
@@ -45,6 +45,26 @@ def policy_weights(policy: str, given: str) -> tuple[Path, Any]:
             f"policy {policy}: weights {path}: use_com is {found}; allowed: {wanted}{instead}"
         )
     return path, sizes
+
+
+def check_weights(policy: str, given: str, cloud_points: int) -> Path:
+    """Checks the weights of a policy as its episodes need them; arguments as `policy_weights`.
+
+    Args:
+        cloud_points: `noise.cloud_points` of the scenario.
+
+    Returns:
+        The `.safetensors` file.
+
+    Raises:
+        UserError: see `policy_weights`, `read_model` and `check_cloud_points`.
+    """
+    path, sizes = policy_weights(policy, given)
+    kind = POLICIES[policy].weights_kind
+    assert kind is not None
+    read_model(kind, path, sizes)
+    check_cloud_points(cloud_points, sizes)
+    return path
 
 
 def policy_model(policy: str, given: str) -> PolicyModel | None:

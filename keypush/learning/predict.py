@@ -64,7 +64,7 @@ class SurfaceKeypoint(KeypointModel):
         """
         config = self._config
         com = _com(com_W, wanted=config.use_com)
-        _check_cloud(cloud_W, config.patches, config.patch_size)
+        check_cloud_points(len(cloud_W), config)
         frame = GoalFrame.of(cloud_W.mean(axis=0) if com is None else com, goal_W)
         cloud = frame.to_goal(cloud_W)
         centres, members = group_patches(cloud, config.patches, config.patch_size)
@@ -90,7 +90,7 @@ class _ThesisModel:
     def run(self, cloud_W: Seen, goal_W: Seen, com_W: Seen | None, hand: Seen) -> Array:
         """Returns the network's outputs; errors as `SurfaceKeypoint.predict`."""
         encoder, com = self._config.encoder, _com(com_W, wanted=self._config.use_com)
-        _check_cloud(cloud_W, encoder.patches, encoder.patch_size)
+        check_cloud_points(len(cloud_W), self._config)
         cloud = normalise_positions(cloud_W).astype(np.float32)
         centres, members = group_patches(cloud, encoder.patches, encoder.patch_size)
         query = normalise_positions(np.asarray(goal_W))
@@ -192,9 +192,15 @@ def _com(com_W: Seen | None, *, wanted: bool) -> Seen | None:
     return com_W if wanted else None
 
 
-def _check_cloud(cloud_W: Seen, patches: int, patch_size: int) -> None:
-    least = max(patches, patch_size)
-    if len(cloud_W) < least:
+def check_cloud_points(points: int, sizes: KeypointConfig | SurfaceConfig) -> None:
+    """Checks that a cloud of so many points can be cut into a network's patches.
+
+    Raises:
+        UserError: it has fewer points than a patch, or than there are patches.
+    """
+    patches = sizes.encoder if isinstance(sizes, KeypointConfig) else sizes
+    least = max(patches.patches, patches.patch_size)
+    if points < least:
         raise UserError(
-            f"noise.cloud_points is {len(cloud_W)}; allowed: at least {least} for these weights"
+            f"noise.cloud_points is {points}; allowed: at least {least} for these weights"
         )

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from keypush import __version__
 from keypush.learning.own_policy import own_model, source_file
-from keypush.learning.policy_model import policy_weights
+from keypush.learning.policy_model import check_weights
 from keypush.objects.library import object_folder, user_object_names
 from keypush.policies import find_policy, is_own_policy
 from keypush.scenario import Scenario
@@ -15,8 +15,8 @@ def provenance(scenario: Scenario, objects: Sequence[str]) -> dict[str, str]:
     """Returns keypush's version and digests of weights, of a user's policy and objects.
 
     Raises:
-        UserError: weights are not there or do not fit the policy, or it is a user's own and
-            cannot be made.
+        UserError: weights are not there, damaged, or do not fit the policy or the cloud, or it is
+            a user's own and cannot be made.
     """
     return {
         "keypush": __version__,
@@ -30,7 +30,8 @@ def _weights_digest(scenario: Scenario) -> dict[str, str]:
     """Tells weights apart that were trained again under the same name."""
     if find_policy(scenario.policy).weights_kind is None:
         return {}
-    path, _ = policy_weights(scenario.policy, scenario.predictor.weights)
+    # What is wrong is told before a folder is theirs: with other weights it would be refused.
+    path = check_weights(scenario.policy, scenario.predictor.weights, scenario.noise.cloud_points)
     return {"weights_sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from keypush.cli.main import main
 from keypush.evaluation.records import read_records
+from keypush.learning.card import weights_path
 
 SHORT = ("--set", "episode.max_steps=3", "noise.cloud_points=64")
 
@@ -43,3 +44,25 @@ def test_the_saved_scenario_repeats_the_evaluation(tmp_path: Path) -> None:
     first, again = (tmp_path / name / "records.parquet" for name in ("first", "again"))
     assert read_records(first)["seed"].to_pylist() == [1_000_003]
     assert first.read_bytes() == again.read_bytes()
+
+
+def test_weights_that_cannot_be_used_claim_no_folder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    weights = tmp_path / "mine.safetensors"
+    for suffix in (".json", ".safetensors"):
+        shipped = weights_path("surface_no_com").with_suffix(suffix)
+        weights.with_suffix(suffix).write_bytes(shipped.read_bytes())
+    whole = weights.read_bytes()
+    out = tmp_path / "out"
+    evaluate = ["evaluate", "--policy", "surface_no_com", "--weights", str(weights), "--objects",
+                "plate", "--episodes", "1", "--workers", "1", "--out", str(out),
+                "--set", "episode.max_steps=1"]  # fmt: skip
+    weights.write_bytes(whole[: len(whole) // 2])
+    assert main(evaluate) == 2
+    assert "mine.safetensors: cannot be loaded" in capsys.readouterr().err
+    weights.write_bytes(whole)
+    assert main([*evaluate, "noise.cloud_points=20"]) == 2
+    assert "noise.cloud_points is 20; allowed: at least 32" in capsys.readouterr().err
+    assert not out.exists()
+    assert main(evaluate) == 0
