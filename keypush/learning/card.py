@@ -32,6 +32,14 @@ def weights_path(name_or_path: str | Path) -> Path:
     return path
 
 
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; a name that the file system refuses is none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
 def read_card(weights: Path) -> Mapping[str, Any]:
     """Reads the card of a `.safetensors` file, the `.json` beside it.
 
@@ -43,7 +51,7 @@ def read_card(weights: Path) -> Mapping[str, Any]:
         card = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise UserError(f"weights' card {path}: cannot be read: {one_line(error)}") from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise UserError(f"weights' card {path}: no JSON: {one_line(error)}") from error
     if not isinstance(card, dict):
         raise UserError(f"weights' card {path}: found {type(card).__name__}; allowed: an object")
@@ -51,10 +59,17 @@ def read_card(weights: Path) -> Mapping[str, Any]:
 
 
 def trained_objects(name_or_path: str | Path) -> frozenset[str]:
-    """Returns the names of the objects that weights were trained on.
+    """Returns the names of the objects that weights were trained on; none if the card has none.
 
     Raises:
-        UserError: weights or card cannot be read.
+        UserError: weights or card cannot be read, or the card has something else in their place.
     """
-    data = read_card(weights_path(name_or_path)).get("data", {})
-    return frozenset(data.get("objects", ()) if isinstance(data, dict) else ())
+    path = weights_path(name_or_path)
+    data = read_card(path).get("data", {})
+    names = data.get("objects", []) if isinstance(data, dict) else []
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise UserError(
+            f"weights' card {path.with_suffix('.json')}: data.objects is {names!r}; allowed: a "
+            "list of names"
+        )
+    return frozenset(names)

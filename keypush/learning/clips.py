@@ -36,7 +36,7 @@ class Clips:
         try:
             clips = Clips(**{name: float(value) for name, value in dict(told).items()})  # type: ignore[arg-type]  # None is refused below
             fine = bool((clips.of_action > 0).all() and np.isfinite(clips.of_action).all())
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             fine = False
         if not fine:
             raise UserError(

@@ -7,7 +7,15 @@ from typing import Any
 
 from keypush.errors import UserError, one_line
 from keypush.learning.card import read_card
-from keypush.networks.config import WIDTH, EncoderConfig, KeypointConfig, SurfaceConfig
+from keypush.networks.config import (
+    CLOUD_POINTS,
+    DROPOUT_RANGE,
+    LARGEST,
+    WIDTH,
+    EncoderConfig,
+    KeypointConfig,
+    SurfaceConfig,
+)
 
 Sizes = EncoderConfig | KeypointConfig | SurfaceConfig
 
@@ -32,7 +40,7 @@ def read_sizes(weights: Path, allowed: Collection[str]) -> tuple[str, Any]:
     """
     card, told = read_card(weights), f"weights' card {weights.with_suffix('.json')}"
     kind = card.get("kind", "")
-    if kind not in KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise UserError(f"{told}: kind is {kind!r}; allowed: {', '.join(KINDS)}")
     if kind not in allowed:
         raise UserError(f"weights {weights}: kind is {kind!r}; allowed here: {', '.join(allowed)}")
@@ -54,13 +62,30 @@ def _make_sizes(config: type[Sizes], values: Mapping[str, Any]) -> Sizes:
 
 def _check_sizes(sizes: Sizes, told: str) -> None:
     """Checks what no shape of a tensor tells."""
-    width = getattr(sizes, "width", WIDTH)
     for spec in fields(sizes):
         value = getattr(sizes, spec.name)
         if isinstance(value, EncoderConfig):
             _check_sizes(value, told)
-        elif spec.type == "int" or spec.type is int:
-            divides = spec.name.endswith("heads")
-            if type(value) is not int or value < 1 or (divides and width % value):
-                allowed = f"a divisor of {width}" if divides else "a whole number from 1"
-                raise UserError(f"{told}: {spec.name} is {value!r}; allowed: {allowed}")
+            continue
+        fine, allowed = _judge(sizes, spec.name, type(spec.default), value)
+        if not fine:
+            raise UserError(f"{told}: {spec.name} is {value!r}; allowed: {allowed}")
+
+
+def _judge(sizes: Sizes, name: str, kind: type, value: Any) -> tuple[bool, str]:
+    """Says whether a size can be one, and what is allowed; the sizes before it can."""
+    if kind is bool:
+        return type(value) is bool, "true or false"
+    if kind is float:
+        least, most = DROPOUT_RANGE
+        return type(value) in (int, float) and least <= value <= most, f"{least:g} to {most:g}"
+    whole = None
+    if name.endswith("heads"):
+        whole = getattr(sizes, "width", WIDTH)
+    elif name == "patch_size" and isinstance(sizes, EncoderConfig):
+        whole = CLOUD_POINTS
+    if whole is not None:
+        fine = type(value) is int and value >= 1 and whole % value == 0
+        return fine, f"a divisor of {whole}"
+    fine = type(value) is int and 1 <= value <= LARGEST[name]
+    return fine, f"a whole number from 1 to {LARGEST[name]}"

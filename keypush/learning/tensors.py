@@ -14,7 +14,7 @@ from safetensors import SafetensorError
 from safetensors.numpy import load
 
 from keypush.errors import UserError, one_line
-from keypush.learning.card import read_card
+from keypush.learning.card import is_file, read_card
 
 Array = NDArray[np.float64]
 ENCODER = "encoder."
@@ -82,14 +82,13 @@ def encoder_record(weights: Path) -> dict[str, str]:
 def _read_encoder(head: Path, named: Any) -> dict[str, NDArray[np.generic]]:
     """Reads the encoder beside a head."""
     try:
-        file, wanted = Path(named["file"]).name, named["sha256"]
-    except (TypeError, KeyError) as error:
+        path, wanted = head.with_name(Path(named["file"]).name), named["sha256"]
+    except (TypeError, KeyError, ValueError) as error:
         raise UserError(
             f"weights' card {head.with_suffix('.json')}: encoder is {named!r}; "
             "allowed: the file's name and its sha256"
         ) from error
-    path = head.with_name(file)
-    if not path.is_file():
+    if not is_file(path):
         raise UserError(
             f"weights {head}: their encoder {path} is missing; allowed: the file that was beside "
             "them when they were trained"

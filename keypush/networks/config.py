@@ -1,5 +1,6 @@
 """Sizes of the networks, apart from them: reading a configuration needs no torch."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 WIDTH = 128
@@ -8,6 +9,16 @@ CLOUD_POINTS = 512
 """Points of the cloud; patch size times number of patches."""
 HAND_SIZE = 9
 """Of the hand state: tool position (3) and the first two columns of its rotation (6)."""
+LARGEST: Mapping[str, int] = {
+    "patches": 16_384,
+    "patch_size": 16_384,
+    "width": 2048,
+    "patch_width": 2048,
+    "point_width": 2048,
+    "layers": 16,
+}
+"""Sizes that a card may tell: one that is wrong must not fill the memory before it is found out."""
+DROPOUT_RANGE = (0.0, 0.9)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,6 +1,7 @@
 """Weights are read by PyTorch and by NumPy alike, and what is wrong with them is named."""
 
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,10 +11,12 @@ import pytest
 from safetensors.numpy import load_file, save_file
 
 from keypush.errors import UserError
+from keypush.learning.card import trained_objects
 from keypush.learning.checkpoint import load_network, save_network
 from keypush.learning.eager import random_network
 from keypush.learning.predict import load_keypoint_model
 from keypush.networks.config import EncoderConfig, KeypointConfig
+from keypush.networks.contact_network import ContactNetwork
 from keypush.networks.keypoint_network import KeypointNetwork
 from keypush.networks.surface_keypoint_network import SurfaceKeypointNetwork
 from tests.learning.scenes import SMALL, make_cloud, make_hand
@@ -82,6 +85,16 @@ def test_a_damaged_file_is_named(weights: Path, read: Callable[[Path], Any]) -> 
             '{"kind": "surface_keypoint", "network": {"query_heads": 5}}',
             "query_heads is 5; allowed: a divisor of 128",
         ),
+        ('{"kind": ["surface_keypoint"]}', r"kind is \['surface_keypoint'\]; allowed: contact"),
+        ("[" * 100_000, "no JSON"),
+        (
+            '{"kind": "surface_keypoint", "network": {"patch_size": 10000000000000}}',
+            "patch_size is 10000000000000; allowed: a whole number from 1 to 16384",
+        ),
+        (
+            '{"kind": "surface_keypoint", "network": {"use_com": "yes"}}',
+            "use_com is 'yes'; allowed: true or false",
+        ),
     ],
 )
 def test_a_card_that_makes_no_network_is_named(
@@ -90,6 +103,35 @@ def test_a_card_that_makes_no_network_is_named(
     weights.with_suffix(".json").write_text(text)
     with pytest.raises(UserError, match=rf"some\.json: {told}"):
         read(weights)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "told"),
+    [
+        ({"dropout": "x"}, "dropout is 'x'; allowed: 0 to 0.9"),
+        ({"dropout": math.nan}, "dropout is nan; allowed: 0 to 0.9"),
+        ({"patch_size": 33}, "patch_size is 33; allowed: a divisor of 512"),
+        ({"layers": 17}, "layers is 17; allowed: a whole number from 1 to 16"),
+    ],
+)
+def test_a_card_that_makes_no_encoder_is_named(
+    weights: Path, sizes: dict[str, object], told: str
+) -> None:
+    save_network(random_network("contact", EncoderConfig()), weights, {})
+    card = {"kind": "contact", "network": sizes}
+    weights.with_suffix(".json").write_text(json.dumps(card))
+    with pytest.raises(UserError, match=rf"some\.json: {told}"):
+        load_network(weights, ContactNetwork)
+
+
+def test_objects_that_are_no_names_are_told(weights: Path) -> None:
+    save_network(random_network("surface_keypoint", SMALL), weights, {"data": {"objects": ["can"]}})
+    assert trained_objects(weights) == {"can"}
+    for wrong in (5, "can", [["can"]], None):
+        card = json.dumps({"data": {"objects": wrong}})
+        weights.with_suffix(".json").write_text(card)
+        with pytest.raises(UserError, match=r"some\.json: data\.objects is .*; allowed: a list of"):
+            trained_objects(weights)
 
 
 @pytest.mark.parametrize("read", READERS)

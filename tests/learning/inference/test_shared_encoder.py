@@ -68,7 +68,16 @@ def test_a_missing_encoder_is_named(head: Path, read: Callable[[Path], Any]) -> 
 
 
 @pytest.mark.parametrize("read", READERS)
-@pytest.mark.parametrize("named", ["contact", {"file": "contact.safetensors"}, 3])
+@pytest.mark.parametrize(
+    "named",
+    [
+        "contact",
+        {"file": "contact.safetensors"},
+        3,
+        {"file": "", "sha256": "0"},
+        {"file": "/", "sha256": "0"},
+    ],
+)
 def test_a_card_that_names_no_encoder_is_refused(
     head: Path, read: Callable[[Path], Any], named: object
 ) -> None:
@@ -83,7 +92,8 @@ def test_clips_are_those_of_the_card(tmp_path: Path) -> None:
     network = random_network("behavior_cloning", KeypointConfig())
     save_network(network, path, {"action_clips": {"translation": 0.02, "rotation": 0.3}})
     assert Clips.read(path) == Clips(0.02, 0.3)
-    for wrong in (None, {}, {"translation": 0.1}, {"translation": 0, "rotation": 1}, "much"):
+    for wrong in (None, {}, {"translation": 0.1}, {"translation": 0, "rotation": 1},
+                  {"translation": 10**400, "rotation": 1}, "much"):  # fmt: skip
         save_network(network, path, {"action_clips": wrong})
         with pytest.raises(UserError, match=r"bc\.json: action_clips is .*; allowed: "):
             Clips.read(path)
