@@ -22,7 +22,7 @@ def weights_path(name_or_path: str | Path) -> Path:
     """
     given = Path(name_or_path)
     path = given if given.suffix == SUFFIX else weights_dir() / f"{name_or_path}{SUFFIX}"
-    if not path.is_file():
+    if not is_file(path):
         shipped = sorted(p.stem for p in weights_dir().glob(f"*{SUFFIX}"))
         names = ", ".join(shipped) if shipped else "none"
         raise UserError(

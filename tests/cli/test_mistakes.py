@@ -58,6 +58,8 @@ MISTAKES: list[tuple[list[str], list[str]]] = [
         ["policy surface", "use_com is false; allowed: true; policy surface_no_com takes these"],
     ),
     (["evaluate", "--weights", "none.safetensors", "--out", "e"], ["none.safetensors"]),
+    (["evaluate", "--weights", 300 * "w", "--out", "e"], ["www': no file ", "surface_no_com"]),
+    (["evaluate", "--weights", 300 * "w" + ".safetensors", "--out", "e"], ["no file www"]),
     (["evaluate", "--objects", "mug,teapot", "--out", "e"], ["'teapot'"]),
     (["evaluate", "--objects", ",", "--out", "e"], ["','", "unseen"]),
     (["evaluate", "--episodes", "0", "--out", "e"], ["--episodes is 0"]),
