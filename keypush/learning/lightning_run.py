@@ -7,7 +7,6 @@ ends with the weights of one that was not.
 
 import logging
 import math
-import pickle
 import signal
 import sys
 import warnings
@@ -207,12 +206,12 @@ def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> dict[str, Any] |
         return None
     try:
         content: dict[str, Any] = torch.load(path, weights_only=True, map_location="cpu")
-        found = content[_IDENTITY]
-        content[_HISTORY]
-    except (OSError, RuntimeError, EOFError, pickle.UnpicklingError, KeyError, TypeError) as error:
+        _check_types(content)
+    except Exception as error:  # any: what damaged bytes do to unpickling has no end
         raise UserError(
             f"{path}: is no checkpoint of `keypush`; delete it to start again"
         ) from error
+    found = content[_IDENTITY]
     changed = sorted(name for name in {*found, *identity} if found.get(name) != identity.get(name))
     if changed:
         raise UserError(
@@ -220,6 +219,15 @@ def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> dict[str, Any] |
             "same values, or another output folder"
         )
     return content
+
+
+def _check_types(content: dict[str, Any]) -> None:
+    """Raises KeyError or TypeError where a checkpoint holds something else than it should."""
+    for name in (_IDENTITY, "state_dict"):
+        if not all(isinstance(key, str) for key in dict(content[name])):
+            raise TypeError(name)
+    if not all(isinstance(entry, dict) for entry in content[_HISTORY]):
+        raise TypeError(_HISTORY)
 
 
 class _EpochCheckpoint(Checkpoint):

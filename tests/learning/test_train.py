@@ -1,6 +1,8 @@
 import dataclasses
 import json
+import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ from keypush.errors import UserError
 from keypush.learning.checkpoint import load_network
 from keypush.learning.config import TrainingConfig
 from keypush.learning.cosine_module import rate
-from keypush.learning.lightning_run import CHECKPOINTS, LAST
+from keypush.learning.lightning_run import CHECKPOINTS, LAST, read_checkpoint
 from keypush.learning.surface_module import SurfaceModule
 from keypush.learning.train import WEIGHTS, train
 from keypush.networks.config import SurfaceConfig
@@ -123,6 +125,48 @@ def test_checkpoint_of_another_run_is_refused(data_dir: Path, tmp_path: Path) ->
     (tmp_path / CHECKPOINTS / LAST).write_bytes(b"damaged")
     with pytest.raises(UserError, match=r"last\.ckpt: is no checkpoint of `keypush`; delete it"):
         train(data_dir, tmp_path, QUICK)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        {},
+        {"keypush_run": 5},
+        {"keypush_run": {1: 2, "a": 3}},
+        {"keypush_history": 5},
+        {"keypush_history": [5]},
+        {"state_dict": None},
+        [1],
+    ],
+)
+def test_a_checkpoint_with_something_else_in_it_is_refused(tmp_path: Path, content: object) -> None:
+    whole: dict[str, Any] = {"keypush_run": {}, "keypush_history": [], "state_dict": {}}
+    path = tmp_path / LAST
+    torch.save(whole, path)
+    assert read_checkpoint(path, {}) == whole
+    torch.save({**whole, **content} if isinstance(content, dict) and content else content, path)
+    with pytest.raises(UserError, match=r"last\.ckpt: is no checkpoint of `keypush`; delete it"):
+        read_checkpoint(path, {})
+
+
+@pytest.mark.parametrize(
+    "pickled",
+    [
+        b"\x80\x02X\x02\x00\x00\x00\xff\xfe.",  # a text that is no UTF-8
+        b"\x80\x020.",  # takes from an empty stack
+        b"\x80\x02K\x01}b.",  # gives a state to a number
+    ],
+)
+def test_a_checkpoint_that_cannot_be_unpickled_is_refused(tmp_path: Path, pickled: bytes) -> None:
+    path = tmp_path / LAST
+    torch.save({}, path)
+    with zipfile.ZipFile(path) as archive:
+        content = {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in content.items():
+            archive.writestr(name, pickled if name.endswith("data.pkl") else data)
+    with pytest.raises(UserError, match=r"last\.ckpt: is no checkpoint of `keypush`; delete it"):
+        read_checkpoint(path, {})
 
 
 def test_patience_ends_training_and_keeps_the_best_epoch(data_dir: Path, tmp_path: Path) -> None:
