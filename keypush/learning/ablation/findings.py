@@ -89,7 +89,9 @@ def _sentences(effects: Sequence[Effect], ablation: Ablation) -> str:
     )
     return (
         f"{text} Told from 0 by these seeds, the largest first: {named}. "
-        f"The other {len(effects) - len(told)} are not."
+        f"The other {len(effects) - len(told)} are not. Each interval is that of one comparison: "
+        f"none is wider because there are {len(effects)} of them, so that chance alone may tell "
+        "one from 0."
     )
 
 

@@ -94,6 +94,7 @@ def test_conclusions_follow_the_numbers(change: float, verb: str, tmp_path: Path
     assert told
     assert told[1] == verb
     assert float(told[2]) == pytest.approx(10, abs=0.2)
+    assert "interval is that of one comparison: none is wider because there are 11 of" in section
     row = _rows(page, "## What matters")[0]
     assert (float(row[1]) < 0) == (change < 0)
     assert row[4] == ("yes" if change < 0 else "no")
