@@ -39,14 +39,16 @@ def pretrain(
 
     Raises:
         UserError: the configuration is out of range, an object is not there, none is left to train
-            on, or `out_dir` holds a run with another configuration.
+            on, a list to measure on has the name of another set of objects, or `out_dir` holds a
+            run with another configuration.
     """
     config.validate()
     names = _without_held_out(parse_object_list(objects), config.held_out_objects)
     sets = {"train": names, **{name: [name] for name in config.held_out_objects}}
     if len(config.held_out_objects) > 1:
         sets["held_out_objects"] = config.held_out_objects
-    sets |= {text: parse_object_list(text) for text in measured_on}
+    for text in measured_on:
+        _add_set(sets, text)
     for name in {name for members in sets.values() for name in members}:
         load_object(name)  # a damaged one is told before hours of training
     module = ContactModule(contact_objects(names), config)
@@ -69,6 +71,17 @@ def pretrain(
     }
     save_network(module.contact, out_dir / WEIGHTS, record)
     return scores
+
+
+def _add_set(sets: dict[str, list[str]], text: str) -> None:
+    """Adds a list of objects under its own name."""
+    names = parse_object_list(text)
+    before = sets.setdefault(text, names)
+    if before != names:
+        raise UserError(
+            f"measure_on has {text}, but the scores of that name are those of "
+            f"{', '.join(before)}; allowed: other lists, or names of objects"
+        )
 
 
 def _without_held_out(names: list[str], held_out: Sequence[str]) -> list[str]:
