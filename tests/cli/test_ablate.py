@@ -37,6 +37,7 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (["--head.heads", "16"], "head.heads is 16; allowed: 8, because the ablation sets it"),
         (["--head.no-cache"], "head.cache is False; allowed: True, because"),
         (["--pretraining.encoder.layers", "3"], "pretraining.encoder.layers is 3; allowed: 2"),
+        (["--held-out-objects", "bowl", "bowl"], "has bowl twice; allowed: each once"),
         (["--held-out-objects", "kettle"], "held_out_objects has kettle; allowed: block, book"),
     ],
 )

@@ -18,8 +18,13 @@ def check_objects(data_dir: Path, rows: Rows, config: AblationConfig) -> tuple[s
     """Returns the objects of the data, sorted.
 
     Raises:
-        UserError: they are not those that are wanted, or their files are damaged.
+        UserError: they are not those that are wanted, an object is held out twice, or their files
+            are damaged.
     """
+    held_out = config.held_out_objects
+    twice = sorted(name for name in set(held_out) if held_out.count(name) > 1)
+    if twice:
+        raise UserError(f"held_out_objects has {', '.join(twice)} twice; allowed: each once")
     names = {name for name, _ in rows.objects}
     wanted = set(catalogue_names("train"))
     if not config.held_out_objects and names != wanted:

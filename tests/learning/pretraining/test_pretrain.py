@@ -156,7 +156,9 @@ def test_unknown_objects_to_measure_on_are_told_before_training(tmp_path: Path) 
 
 
 def test_a_list_with_the_name_of_what_is_trained_on_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match=r"measure_on has train, but the scores .* of book; allowed"):
+    with pytest.raises(
+        UserError, match=r"measure_on has train, but the scores .* of book; allowed"
+    ):
         pretrain(OBJECTS, ["mug", "train"], tmp_path, QUICK)
     assert not (tmp_path / CHECKPOINTS).exists()
     once = dataclasses.replace(QUICK, epochs=1)
