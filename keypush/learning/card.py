@@ -1,7 +1,7 @@
 """Where weights lie, and the card beside them: what they are and how they came about."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +11,12 @@ from keypush.resources import weights_dir
 SUFFIX = ".safetensors"
 
 
-def weights_path(name_or_path: str | Path) -> Path:
+def weights_path(name_or_path: str | Path, kinds: Collection[str] = ()) -> Path:
     """Finds the `.safetensors` file.
 
     Args:
         name_or_path: name of weights that ship with keypush, or path of a `.safetensors` file.
+        kinds: of which the weights have to be, for the message alone; empty: any.
 
     Raises:
         UserError: there is none.
@@ -23,13 +24,23 @@ def weights_path(name_or_path: str | Path) -> Path:
     given = Path(name_or_path)
     path = given if given.suffix == SUFFIX else weights_dir() / f"{name_or_path}{SUFFIX}"
     if not is_file(path):
-        shipped = sorted(p.stem for p in weights_dir().glob(f"*{SUFFIX}"))
+        shipped = sorted(
+            p.stem for p in weights_dir().glob(f"*{SUFFIX}") if not kinds or _kind(p) in kinds
+        )
         names = ", ".join(shipped) if shipped else "none"
         raise UserError(
             f"weights {str(name_or_path)!r}: no file {path}; allowed: a name in {weights_dir()} "
             f"({names}) or the path of a {SUFFIX} file"
         )
     return path
+
+
+def _kind(weights: Path) -> str:
+    """The kind of weights; empty where their card tells none."""
+    try:
+        return str(read_card(weights).get("kind", ""))
+    except UserError:
+        return ""
 
 
 def is_file(path: Path) -> bool:

@@ -55,8 +55,8 @@ def load_network[Network: nn.Module](name_or_path: str | Path, wanted: type[Netw
     Raises:
         UserError: a file is missing, unreadable, of another kind, or does not fit the network.
     """
-    path = weights_path(name_or_path)
     allowed = [kind for kind, known in NETWORKS.items() if issubclass(known, wanted)]
+    path = weights_path(name_or_path, allowed)
     kind, sizes = read_sizes(path, allowed)
     network = NETWORKS[kind](sizes)
     assert isinstance(network, wanted)

@@ -29,7 +29,7 @@ def policy_weights(policy: str, given: str) -> tuple[Path, Any]:
     needs = POLICIES[policy]
     assert needs.weights_kind is not None
     try:
-        path = weights_path(weights_name(policy, given))
+        path = weights_path(weights_name(policy, given), [needs.weights_kind])
         _, sizes = read_sizes(path, [needs.weights_kind])
     except UserError as error:
         raise UserError(f"policy {policy}: {error}") from error

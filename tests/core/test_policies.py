@@ -82,6 +82,7 @@ def test_without_learning_no_weights_are_looked_for(policy: str) -> None:
 def test_weights_that_fit_are_read_and_others_refused_by_reason(
     policy: str, tmp_path: Path
 ) -> None:
+    needs = POLICIES[policy]
     path = _save(policy, tmp_path / "w.safetensors")
     model = policy_model(policy, str(path))
     assert model is not None
@@ -93,5 +94,7 @@ def test_weights_that_fit_are_read_and_others_refused_by_reason(
     _save(other, path)
     with pytest.raises(UserError, match=rf"^policy {policy}: .*kind is .*allowed here: "):
         policy_weights(policy, str(path))
-    with pytest.raises(UserError, match=rf"^policy {policy}: weights 'none': no file .*none"):
+    with pytest.raises(UserError, match=rf"^policy {policy}: weights 'none': no file ") as caught:
         policy_weights(policy, "none")
+    named = str(caught.value).partition("(")[2].partition(")")[0].split(", ")
+    assert set(named) == {p for p in LEARNED if POLICIES[p].weights_kind == needs.weights_kind}

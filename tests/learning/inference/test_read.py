@@ -149,7 +149,9 @@ def test_weights_of_another_kind_are_refused(weights: Path) -> None:
         load_network(weights, KeypointNetwork)
 
 
-def test_missing_weights_are_named() -> None:
+def test_missing_weights_are_named_with_those_of_the_kind() -> None:
+    with pytest.raises(UserError, match=r"nothing\.safetensors; allowed: a name in .* \(contact\)"):
+        load_network("nothing", ContactNetwork)
     with pytest.raises(UserError, match=r"no_such_weights.*allowed"):
         load_keypoint_model("no_such_weights")
 
