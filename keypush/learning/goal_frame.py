@@ -37,10 +37,6 @@ class GoalFrames:
         """Expresses points (B, N, 3) of W in G, in units of `LENGTH`."""
         return torch.bmm(p_W - self.origin[:, None], self.R_WG) / LENGTH
 
-    def to_world(self, p_G: torch.Tensor) -> torch.Tensor:
-        """The inverse of `to_goal`, in metres."""
-        return torch.bmm(p_G * LENGTH, self.R_WG.transpose(1, 2)) + self.origin[:, None]
-
     def hands_to_goal(self, hands_W: torch.Tensor) -> torch.Tensor:
         """Expresses hand states (B, 9) in G; see `GoalFrame.hand_to_goal`."""
         position = self.to_goal(hands_W[:, None, :3])[:, 0]

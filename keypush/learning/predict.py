@@ -6,14 +6,12 @@ from typing import Any, Protocol, override
 import numpy as np
 
 from keypush.errors import UserError
-from keypush.learning.card import weights_path
 from keypush.learning.clips import Clips
 from keypush.learning.inference.goal_frame import GoalFrame
 from keypush.learning.inference.ops import Array, Index
 from keypush.learning.inference.patches import group_patches
 from keypush.learning.inference.surface import SurfaceNetwork
 from keypush.learning.inference.thesis import ThesisNetwork
-from keypush.learning.kinds import read_sizes
 from keypush.learning.model import ActionModel, KeypointModel, PolicyModel, Seen, Vector
 from keypush.learning.tensors import Tensors
 from keypush.networks.config import KeypointConfig, SurfaceConfig
@@ -173,17 +171,6 @@ def read_model(kind: str, weights: Path, sizes: Any) -> PolicyModel:
     """
     clips = Clips.read(weights) if kind == "behavior_cloning" else None
     return make_model(kind, fast_network(kind, Tensors.read(weights), sizes), sizes, clips)
-
-
-def load_keypoint_model(name_or_path: str | Path) -> KeypointModel:
-    """Reads a model that predicts a keypoint, by the name of shipped weights or by path.
-
-    Raises:
-        UserError: a file is missing, unreadable, of another kind, or does not fit the network.
-    """
-    path = weights_path(name_or_path)
-    kind, sizes = read_sizes(path, ["keypoint", "surface_keypoint"])
-    return read_model(kind, path, sizes)
 
 
 def _com(com_W: Seen | None, *, wanted: bool) -> Seen | None:

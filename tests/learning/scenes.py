@@ -1,9 +1,14 @@
 """Scenes and untrained networks that the learning tests share."""
 
+from pathlib import Path
+
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from keypush.learning.kinds import read_sizes
+from keypush.learning.model import PolicyModel
+from keypush.learning.predict import read_model
 from keypush.networks.config import SurfaceConfig
 from keypush.networks.surface_keypoint_network import SurfaceKeypointNetwork
 
@@ -28,3 +33,9 @@ def make_hand(rng: np.random.Generator) -> NDArray[np.float64]:
     """A hand state (9,) whose six rotation entries are two orthonormal columns."""
     q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
     return np.concatenate([rng.uniform(-0.2, 0.2, 3), q[:, :2].T.ravel()])
+
+
+def read_keypoint_model(weights: Path) -> PolicyModel:
+    """Reads the model of weights of either kind that gives a keypoint."""
+    kind, sizes = read_sizes(weights, ["keypoint", "surface_keypoint"])
+    return read_model(kind, weights, sizes)

@@ -7,6 +7,7 @@ import torch
 from keypush.dataset.poses import rotations
 from keypush.learning.clouds import CloudBank, draw_clouds, surface_samplers
 from keypush.learning.config import TrainingConfig
+from keypush.learning.inference.goal_frame import GoalFrame
 from keypush.learning.labels import make_labels
 from keypush.learning.rows import Rows, read_rows
 from keypush.learning.scenes import SceneBatch, augment, scene_table, to_network, with_clouds
@@ -99,7 +100,9 @@ def test_augmented_hands_keep_their_place_at_the_label(batch: SceneBatch) -> Non
 @pytest.mark.parametrize("use_com", [False, True])
 def test_network_frame_is_metres_over_length(batch: SceneBatch, use_com: bool) -> None:
     scene, label, frames = to_network(batch, use_com=use_com)
-    torch.testing.assert_close(frames.to_world(label[:, None])[:, 0], batch.label)
+    each = zip(frames.origin.numpy(), frames.R_WG.numpy(), label.numpy(), strict=True)
+    restored = [GoalFrame(origin, R_WG).to_world(p_G) for origin, R_WG, p_G in each]
+    np.testing.assert_allclose(restored, batch.label, atol=1e-6)
     centre = scene.com if use_com else scene.cloud.mean(dim=1)
     torch.testing.assert_close(centre[:, :2], torch.zeros_like(centre[:, :2]), atol=1e-5, rtol=0)
     torch.testing.assert_close(scene.goal[:, 1], torch.zeros(len(scene.goal)), atol=1e-5, rtol=0)

@@ -14,15 +14,14 @@ from keypush.errors import UserError
 from keypush.learning.card import trained_objects
 from keypush.learning.checkpoint import load_network, save_network
 from keypush.learning.eager import random_network
-from keypush.learning.predict import load_keypoint_model
 from keypush.networks.config import EncoderConfig, KeypointConfig
 from keypush.networks.contact_network import ContactNetwork
 from keypush.networks.keypoint_network import KeypointNetwork
 from keypush.networks.surface_keypoint_network import SurfaceKeypointNetwork
-from tests.learning.scenes import SMALL, make_cloud, make_hand
+from tests.learning.scenes import SMALL, make_cloud, make_hand, read_keypoint_model
 
 READERS: list[Callable[[Path], Any]] = [
-    load_keypoint_model,
+    read_keypoint_model,
     lambda path: load_network(path, SurfaceKeypointNetwork),
 ]
 Edit = Callable[[dict[str, Any]], Any]
@@ -144,7 +143,7 @@ def test_without_a_card_weights_are_refused(weights: Path, read: Callable[[Path]
 def test_weights_of_another_kind_are_refused(weights: Path) -> None:
     save_network(random_network("contact", EncoderConfig()), weights, {})
     with pytest.raises(UserError, match=r"kind is 'contact'; allowed here: keypoint, surface"):
-        load_keypoint_model(weights)
+        read_keypoint_model(weights)
     with pytest.raises(UserError, match=r"kind is 'contact'; allowed here: keypoint$"):
         load_network(weights, KeypointNetwork)
 
@@ -153,7 +152,7 @@ def test_missing_weights_are_named_with_those_of_the_kind() -> None:
     with pytest.raises(UserError, match=r"nothing\.safetensors; allowed: a name in .* \(contact\)"):
         load_network("nothing", ContactNetwork)
     with pytest.raises(UserError, match=r"no_such_weights.*allowed"):
-        load_keypoint_model("no_such_weights")
+        load_network("no_such_weights", SurfaceKeypointNetwork)
 
 
 def test_what_is_read_predicts_what_was_saved(tmp_path: Path) -> None:
@@ -168,5 +167,5 @@ def test_what_is_read_predicts_what_was_saved(tmp_path: Path) -> None:
             np.testing.assert_array_equal(read.state_dict()[name], value)
         rng = np.random.default_rng(7)
         scene = make_cloud(rng), np.array([0.1, 0.0]), np.zeros(3), make_hand(rng)
-        first, again = (load_keypoint_model(path).predict(*scene) for _ in range(2))
+        first, again = (read_keypoint_model(path).predict(*scene) for _ in range(2))
         np.testing.assert_array_equal(first, again)

@@ -12,14 +12,13 @@ from keypush.errors import UserError
 from keypush.learning.checkpoint import load_network, save_network
 from keypush.learning.clips import Clips
 from keypush.learning.eager import random_network
-from keypush.learning.predict import load_keypoint_model
 from keypush.learning.tensors import encoder_record
 from keypush.networks.config import EncoderConfig, KeypointConfig
 from keypush.networks.keypoint_network import KeypointNetwork
-from tests.learning.scenes import make_cloud, make_hand
+from tests.learning.scenes import make_cloud, make_hand, read_keypoint_model
 
 READERS: list[Callable[[Path], Any]] = [
-    load_keypoint_model,
+    read_keypoint_model,
     lambda path: load_network(path, KeypointNetwork),
 ]
 
@@ -45,7 +44,7 @@ def test_head_and_encoder_together_are_the_whole_network(head: Path) -> None:
         np.testing.assert_array_equal(found, value, err_msg=name)
     rng = np.random.default_rng(7)
     scene = make_cloud(rng), np.array([0.1, 0.0]), np.zeros(3), make_hand(rng)
-    split, joined = (load_keypoint_model(path).predict(*scene) for path in (head, whole))
+    split, joined = (read_keypoint_model(path).predict(*scene) for path in (head, whole))
     np.testing.assert_array_equal(split, joined)
 
 
