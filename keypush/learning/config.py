@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import override
 
 from keypush.errors import UserError
+from keypush.learning.kinds import check_sizes
 from keypush.learning.run_config import RunConfig, choice, number
 from keypush.networks.config import SurfaceConfig
 from keypush.scenario_check import SURFACE_POINTS
@@ -59,12 +60,7 @@ class TrainingConfig(DataConfig):
         """
         super().validate()
         network = self.network
-        for name in ("heads", "query_heads"):
-            if network.width % getattr(network, name):
-                raise UserError(
-                    f"network.{name} is {getattr(network, name)}; allowed: divisors of "
-                    f"network.width, {network.width}"
-                )
+        check_sizes(network, "network.")
         least = max(network.patches, network.patch_size)
         if self.cloud_points < least:
             raise UserError(f"cloud_points is {self.cloud_points}; allowed: at least {least}")

@@ -50,7 +50,7 @@ def read_sizes(weights: Path, allowed: Collection[str]) -> tuple[str, Any]:
         raise UserError(
             f"{told}: expected the sizes of the network under 'network': {one_line(error)}"
         ) from error
-    _check_sizes(sizes, told)
+    check_sizes(sizes, f"{told}: ")
     return kind, sizes
 
 
@@ -60,16 +60,24 @@ def _make_sizes(config: type[Sizes], values: Mapping[str, Any]) -> Sizes:
     return config(**values)
 
 
-def _check_sizes(sizes: Sizes, told: str) -> None:
-    """Checks what no shape of a tensor tells."""
+def check_sizes(sizes: Sizes, told: str) -> None:
+    """Checks the sizes of a network.
+
+    Args:
+        sizes: as a card or an option tells them.
+        told: where they stand, for the message.
+
+    Raises:
+        UserError: one of them makes no network.
+    """
     for spec in fields(sizes):
         value = getattr(sizes, spec.name)
         if isinstance(value, EncoderConfig):
-            _check_sizes(value, told)
+            check_sizes(value, told)
             continue
         fine, allowed = _judge(sizes, spec.name, type(spec.default), value)
         if not fine:
-            raise UserError(f"{told}: {spec.name} is {value!r}; allowed: {allowed}")
+            raise UserError(f"{told}{spec.name} is {value!r}; allowed: {allowed}")
 
 
 def _judge(sizes: Sizes, name: str, kind: type, value: Any) -> tuple[bool, str]:

@@ -107,7 +107,14 @@ def test_small_network_learns_where_to_push(data_dir: Path, tmp_path: Path) -> N
         ({"held_out_objects": ["mug"]}, "held_out_objects has mug; allowed: bottle, can, l_block"),
         ({"held_out_objects": ["bottle", "can", "l_block"]}, "0 episodes have labelled rows"),
         ({"cloud_points": 4097}, "cloud_points is 4097; allowed: 16 to 4096"),
-        ({"network": SurfaceConfig(heads=3)}, r"network\.heads is 3; allowed: divisors"),
+        ({"network": SurfaceConfig(heads=3)}, r"network\.heads is 3; allowed: a divisor of 128"),
+        ({"network": SurfaceConfig(query_heads=0)}, r"query_heads is 0; allowed: a divisor of 128"),
+        ({"network": SurfaceConfig(layers=0)}, r"network\.layers is 0; allowed: .* from 1 to 16"),
+        (
+            {"network": SurfaceConfig(width=-128)},
+            r"network\.width is -128; allowed: a whole number",
+        ),
+        ({"network": SurfaceConfig(patches=0)}, r"network\.patches is 0; allowed: a whole number"),
         ({"network": SurfaceConfig(patch_size=65)}, "cloud_points is 64; allowed: at least 65"),
     ],
 )
