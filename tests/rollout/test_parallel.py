@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
+import yaml
 
 from keypush.errors import UserError
 from keypush.rollout.job import EPISODES_PER_BLOCK, Job
@@ -138,7 +139,7 @@ def test_a_stop_between_the_last_episode_and_its_block_costs_nothing(tmp_path: P
     job = Job(scenario=short_scenario(), objects=("plate",), episodes=4)
     with pytest.raises(KeyboardInterrupt):
         run_job(_job(), tmp_path, workers=1, make_runner=InterruptingRunner.of(tmp_path))
-    (tmp_path / "job.yaml").unlink()
+    (tmp_path / "job.yaml").write_text(yaml.safe_dump(job.describe()))
     found = EpisodeStore(tmp_path).open(job)
     assert (found.episodes, found.missing) == (4, [])
     assert not (tmp_path / "unfinished").exists()
