@@ -86,7 +86,7 @@ def train_imitation(
     """
     config.validate()
     check_accelerator(config)
-    _check_encoder_name(kind, weights_path(encoder))
+    _check_encoder_name(kind, weights_path(encoder, ["contact"]))
     network = make_network(kind, encoder, config)
     rows = read_rows(data_dir, keep_failures=config.keep_failures)
     surface_samplers([(name, 1.0) for name in sorted({name for name, _ in rows.objects})])

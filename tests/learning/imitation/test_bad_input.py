@@ -61,6 +61,7 @@ def _with(name: str, value: float) -> Change:
         (_with("keypoint", np.inf), r"keypoint is \[.*inf.*\] in episode 0; allowed: finite"),
         (_with("keypoint", np.nan), r"keypoint is \[.*nan.*\] in episode 0; .* NaN in all of them"),
         (_with("observation.goal", np.nan), r"observation\.goal is \[.*nan\] in episode 0"),
+        (_with("observation.tool_pose", 7.0), r"tool_pose is \[.*7.0.*\] in .*; .* of norm 1$"),
         (_with("action", -np.inf), r"action is \[.*-inf.*\] in episode 0; .* numbers$"),
     ],
 )  # fmt: skip
@@ -98,7 +99,7 @@ def test_bad_encoders_are_named(encoder: Path, tmp_path: Path) -> None:
     damaged.with_suffix(".json").write_bytes(encoder.with_suffix(".json").read_bytes())
     with pytest.raises(UserError, match=r"damaged\.safetensors: cannot be"):
         train("keypoint", tmp_path / "out", damaged)
-    with pytest.raises(UserError, match=r"weights 'nothing': no file"):
+    with pytest.raises(UserError, match=r"weights 'nothing': no file .*\(contact\)"):
         train("keypoint", tmp_path / "out", Path("nothing"))
 
 
