@@ -10,7 +10,7 @@ import pytest
 
 from keypush.cli.main import main
 from tests.cli.command import KEYPUSH
-from tests.cli.processes import processes_of_group
+from tests.cli.processes import wait_for_end
 from tests.rollout.short_scenarios import bytes_of, finished_episodes
 
 ARGUMENTS = (
@@ -35,7 +35,7 @@ def test_an_interrupted_run_resumes_to_the_same_files(
     assert process.returncode == 130
     assert "same command" in errors
     assert "Traceback" not in errors
-    assert list(processes_of_group(process.pid)) == []
+    wait_for_end(process.pid, seconds=10)  # multiprocessing's own helper ends after the command
     finished = list(stopped.glob("collecting/episodes/*.parquet"))
     assert 1 <= len(finished) < 9
     assert list(stopped.rglob("*.partial")) == []
