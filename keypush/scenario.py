@@ -13,7 +13,7 @@ from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
 from keypush.errors import UserError, one_line
 from keypush.policies import OWN_POLICY, POLICIES, SHIPPED, is_own_policy
-from keypush.scenario_check import SURFACE_POINTS, check_values, check_yaml
+from keypush.scenario_check import LARGEST_SEED, SURFACE_POINTS, check_values, check_yaml
 from keypush.yaml_text import parse_yaml
 
 INTEGRATORS = ("cenic", "discrete")
@@ -259,7 +259,7 @@ class PredictorConfig:
 class Scenario:
     """Everything that decides what an episode does."""
 
-    seed: int = field(default=0, metadata={"range": (0, 2**53)})
+    seed: int = field(default=0, metadata={"range": (0, LARGEST_SEED)})
     """Root of every random draw."""
     policy: str = field(
         default="surface_no_com",

@@ -19,6 +19,8 @@ SURFACE_POINTS = 4096
 
 It stands here for those who read no scenario: Drake takes seconds to import.
 """
+LARGEST_SEED = 2**53
+"""Of a run or a training; up to here a float holds every whole number."""
 _REPR = reprlib.Repr(maxlist=8, maxstring=60)
 _ALLOWED = {bool: "true or false", str: "a text, in quotes if it looks like a number"}
 

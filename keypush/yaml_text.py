@@ -23,11 +23,12 @@ def parse_yaml(text: str, empty: Any = None) -> Any:
             where it is from.
     """
     try:
-        root = yaml.compose(text, yaml.SafeLoader)
+        loader = yaml.SafeLoader(text)
+        root = loader.get_single_node()
         if root is None:
             return empty
         _check_nodes(root)
-        return yaml.safe_load(text)
+        return loader.construct_document(root)
     except UserError:
         raise
     # Not only YAMLError: ValueError for the date 2000-13-01, RecursionError for a thousand [.

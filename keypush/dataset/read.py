@@ -12,7 +12,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from keypush.dataset.arrays import not_finite, null_count, to_array
+from keypush.dataset.arrays import null_count, to_array
+from keypush.dataset.bad_frame import find_bad_frame
 from keypush.dataset.episode_stats import STATS
 from keypush.dataset.features import CLOUD, FEATURES, Feature, arrow_schema, cloud_feature
 from keypush.dataset.layout import (
@@ -28,7 +29,6 @@ from keypush.dataset.layout import (
     STATS_FILE,
     TASKS,
 )
-from keypush.dataset.poses import POSES, QUATERNION_ERROR, quaternion_errors
 from keypush.errors import UserError, one_line
 
 _ALLOWED = "allowed: a data set that `keypush collect` or `keypush dataset export` wrote"
@@ -176,17 +176,12 @@ class DataSet:
         return told, frames
 
     def _check_frames(self, number: int, frames: pa.Table) -> None:
-        for feature in self.features:
-            values = to_array(frames[feature.name])
-            bad = not_finite(values, may_be_nan=feature.may_be_nan).any(axis=1)
-            if not bad.any() and feature.name in POSES:
-                bad = quaternion_errors(values) > QUATERNION_ERROR
-            if bad.any():
-                step = int(bad.argmax())
-                raise UserError(
-                    f"{self.folder}: {feature.name} is {values[step].tolist()} in frame {step} of "
-                    f"episode {number}; allowed: what `keypush dataset check` lets pass"
-                )
+        bad = find_bad_frame(frames, self.features)
+        if bad is not None:
+            raise UserError(
+                f"{self.folder}: {bad.found} in frame {bad.row} of episode {number}; "
+                "allowed: what `keypush dataset check` lets pass"
+            )
 
 
 def open_dataset(folder: Path) -> DataSet:

@@ -65,7 +65,7 @@ def grid(scenario: Scenario, values: Mapping[str, Sequence[float]]) -> list[Scen
 
 def condition_name(scenario: Scenario) -> str:
     """Returns the name of a scenario's condition, as in "size_0.75-shift_0-noise_0.005"."""
-    return "-".join(f"{axis.word}_{_text(axis.value(scenario))}" for axis in AXES)
+    return "-".join(f"{axis.word}_{number_text(axis.value(scenario))}" for axis in AXES)
 
 
 def _grid(scenario: Scenario, axes: Sequence[tuple[Axis, Sequence[float]]]) -> Iterator[Scenario]:
@@ -80,7 +80,7 @@ def _checked(
     axis: Axis, scenario: Scenario, values: Mapping[str, Sequence[float]]
 ) -> Sequence[float]:
     given = values.get(axis.option) or [axis.value(scenario)]
-    texts = [_text(_unsigned_zero(value)) for value in given]
+    texts = [number_text(_unsigned_zero(value)) for value in given]
     for text in texts:
         if texts.count(text) > 1:
             raise UserError(f"--{axis.option} has {text} twice; allowed: each value once")
@@ -92,5 +92,6 @@ def _unsigned_zero(value: float) -> float:
     return float(value) + 0.0
 
 
-def _text(value: float) -> str:
+def number_text(value: float) -> str:
+    """What varies between conditions, with as many digits as tell two of them apart."""
     return f"{value:.12g}"

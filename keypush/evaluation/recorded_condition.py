@@ -5,6 +5,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from keypush.evaluation.conditions import number_text
 from keypush.scenario import NoiseConfig, PlannerConfig
 
 VARIED = ("size_ratio", "com_shift", "cloud_deviation", "push_speed")
@@ -55,15 +56,15 @@ class Condition:
         nominal = Condition()
         parts = []
         if self.size_ratio != nominal.size_ratio:
-            parts.append(f"size {_text(self.size_ratio)}")
+            parts.append(f"size {number_text(self.size_ratio)}")
         if self.varied_size:
             parts.append("varied size")
         if self.com_shift != nominal.com_shift:
-            parts.append(f"COM shifted {_text(1000 * self.com_shift)} mm")
+            parts.append(f"COM shifted {number_text(1000 * self.com_shift)} mm")
         if self.cloud_deviation != nominal.cloud_deviation:
-            parts.append(f"cloud noise {_text(1000 * self.cloud_deviation)} mm")
+            parts.append(f"cloud noise {number_text(1000 * self.cloud_deviation)} mm")
         if self.push_speed != nominal.push_speed:
-            parts.append(f"push speed {_text(100 * self.push_speed)} cm/s")
+            parts.append(f"push speed {number_text(100 * self.push_speed)} cm/s")
         return ", ".join(parts) or str(Family.NOMINAL)
 
 
@@ -85,11 +86,6 @@ def make_condition(
         size_ratio=1.0 if varied_size else _number(size_ratio, 1.0),
         varied_size=varied_size,
     )
-
-
-def _text(value: float) -> str:
-    """A number with as many digits as `_number` leaves, so that no two have the same words."""
-    return f"{value:.12g}"
 
 
 def _number(value: float, nominal: float) -> float:

@@ -6,7 +6,7 @@ from typing import Any
 from rich.box import SIMPLE
 from rich.table import Table
 
-from keypush.evaluation.conditions import AXES
+from keypush.evaluation.conditions import AXES, number_text
 from keypush.evaluation.summary import ObjectSummary, Summary
 
 
@@ -35,7 +35,7 @@ def conditions_table(conditions: Mapping[str, Any]) -> Table:
     capped = any("com_capped" in line for line in lines)
     table = _table("all objects", *(axis.word for axis in fields), capped=capped)
     for line in lines:
-        values = [f"{line[axis.name]:.12g}" for axis in fields]
+        values = [number_text(line[axis.name]) for axis in fields]
         table.add_row(*values, *_cells(line, capped=capped))
     return table
 

@@ -10,9 +10,9 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from keypush.dataset.arrays import not_finite, to_array
+from keypush.dataset.arrays import to_array
+from keypush.dataset.bad_frame import find_bad_frame
 from keypush.dataset.features import FEATURES
-from keypush.dataset.poses import POSES, QUATERNION_ERROR, quaternion_errors
 from keypush.dataset.read import DataSet, open_dataset
 from keypush.errors import UserError
 
@@ -110,37 +110,17 @@ def _read_columns(dataset: DataSet, numbers: pa.ChunkedArray) -> dict[str, NDArr
         mine = table.filter(pc.is_in(table["episode_index"], value_set=numbers))
         if not len(mine):
             continue
-        _check_finite(dataset.folder, mine)
-        _check_poses(dataset.folder, mine)
+        _check_numbers(dataset.folder, mine)
         for name, field in wanted.items():
             values = to_array(mine[field])
             parts[name].append(values.astype(np.float64) if values.dtype.kind == "f" else values)
     return {name: np.concatenate(part) for name, part in parts.items()}
 
 
-def _check_poses(folder: Path, table: pa.Table) -> None:
-    """Checks that quaternions turn and do nothing else."""
-    for name in POSES:
-        poses = to_array(table[name])
-        bad = quaternion_errors(poses) > QUATERNION_ERROR
-        if bad.any():
-            row = int(bad.argmax())
-            raise UserError(
-                f"data {folder}: {name} is {poses[row].tolist()} in episode "
-                f"{table['episode_index'][row]}; allowed: quaternions of norm 1"
-            )
-
-
-def _check_finite(folder: Path, table: pa.Table) -> None:
-    """Checks that numbers are finite, or NaN all together where the field may be missing."""
-    may_be_nan = {feature.name for feature in FEATURES if feature.may_be_nan}
-    for name in table.column_names:
-        values = to_array(table[name])
-        bad = not_finite(values, may_be_nan=name in may_be_nan).any(axis=1)
-        if bad.any():
-            row = int(bad.argmax())
-            raise UserError(
-                f"data {folder}: {name} is {values[row].tolist()} in episode "
-                f"{table['episode_index'][row]}; allowed: finite numbers"
-                f"{', or NaN in all of them' if name in may_be_nan else ''}"
-            )
+def _check_numbers(folder: Path, table: pa.Table) -> None:
+    bad = find_bad_frame(table, FEATURES)
+    if bad is not None:
+        raise UserError(
+            f"data {folder}: {bad.found} in episode {table['episode_index'][bad.row]}; "
+            f"allowed: {bad.allowed}"
+        )

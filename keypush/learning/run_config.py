@@ -3,11 +3,10 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from keypush.scenario_check import check_values
+from keypush.scenario_check import LARGEST_SEED, check_values
 
 PRECISIONS = ("32", "bf16")
 ACCELERATORS = ("cpu", "gpu", "auto")
-LARGEST_SEED = 2**53
 
 
 def number(default: float, low: float, high: float) -> Any:

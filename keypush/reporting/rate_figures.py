@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from keypush.evaluation.conditions import number_text
 from keypush.reporting.episodes import SETS, Episodes
 from keypush.reporting.figure import (
     Drivers,
@@ -44,7 +45,7 @@ def size_figure(episodes: Episodes, drivers: Drivers) -> Figure:
         drawing = Drawing(_HEIGHT)
         _rate_grid(drawing, axis)
         for size in sizes:
-            drawing.text((_across(size, spread), _BOTTOM + 16), f"{size:.12g}", "middle")
+            drawing.text((_across(size, spread), _BOTTOM + 16), number_text(size), "middle")
         drawing.text(((_LEFT + _RIGHT) / 2, _HEIGHT - 6), "size of the object", "middle strong")
         _draw_curves(drawing, by_driver, drivers, axis, lambda size: _across(size, spread))
         told = f"Success of each policy by size of the object, {SETS[name]}; see the table."

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from keypush.evaluation.conditions import number_text
 from keypush.reporting.comparison import Comparison
 from keypush.reporting.episodes import SETS, Episodes
 from keypush.reporting.table import ReportTable, Row
@@ -48,7 +49,7 @@ def _sets(episodes: Episodes) -> Iterator[tuple[str, Episodes]]:
 def size_table(episodes: Episodes) -> ReportTable:
     """One row per policy, set and size."""
     rows = [
-        (driver, SETS[name], f"{size:.12g}", *_rates(part.where(part["size_ratio"] == size)))
+        (driver, SETS[name], number_text(size), *_rates(part.where(part["size_ratio"] == size)))
         for driver, mine in episodes.split("driver")
         for name, part in mine.split("set")
         for size in np.unique(part["size_ratio"])

@@ -9,8 +9,9 @@ from keypush.errors import UserError
 from keypush.learning.ablation.settings import Setting, Shape
 from keypush.learning.imitation.config import ImitationConfig
 from keypush.learning.pretraining.config import PretrainConfig
-from keypush.learning.run_config import LARGEST_SEED, number
+from keypush.learning.run_config import number
 from keypush.objects.catalogue import catalogue_names
+from keypush.scenario_check import LARGEST_SEED
 
 SEEDS = (0, 1, 2)
 

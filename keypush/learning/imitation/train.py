@@ -86,12 +86,13 @@ def train_imitation(
     """
     config.validate()
     check_accelerator(config)
-    _check_encoder_name(kind, weights_path(encoder, ["contact"]))
-    network = make_network(kind, encoder, config)
+    encoder_path = weights_path(encoder, ["contact"])
+    _check_encoder_name(kind, encoder_path)
+    network = make_network(kind, encoder_path, config)
     rows = read_rows(data_dir, keep_failures=config.keep_failures)
     surface_samplers([(name, 1.0) for name in sorted({name for name, _ in rows.objects})])
     data = head_data(kind, rows, data_dir, config)
-    standing_on = encoder_record(weights_path(encoder))
+    standing_on = encoder_record(encoder_path)
     identity = {"kind": kind, "encoder": standing_on["sha256"]}
     # Before the cache is made anew, which takes long and is of no use to the run that is there.
     refuse_other_run(out_dir, _identity(data, config, identity))
@@ -115,7 +116,7 @@ def train_imitation(
         "training": dataclasses.asdict(config),
         "metrics": metrics,
     }
-    _put_beside(weights_path(encoder), out_dir)
+    _put_beside(encoder_path, out_dir)
     save_network(network, out_dir / f"{kind}.safetensors", record)
     return metrics
 
