@@ -8,6 +8,7 @@ import tyro
 import yaml
 
 from keypush.errors import UserError
+from keypush.field_tree import put_field
 from keypush.policies import OWN_POLICY, POLICIES
 from keypush.yaml_text import parse_yaml
 
@@ -59,10 +60,10 @@ def resolve_scenario(options: ScenarioOptions, **fields: object) -> "Scenario":
         name, separator, value = text.partition("=")
         if not (name and separator):
             raise UserError(f"--set {text!r}: expected FIELD=VALUE")
-        _put(overrides, name, _parse_value(text, value))
+        put_field(overrides, name, _parse_value(text, value))
     for name, field in {"seed": options.seed, **fields}.items():
         if field is not None:
-            _put(overrides, name.replace("__", "."), field)
+            put_field(overrides, name.replace("__", "."), field)
     return parse_scenario(yaml.safe_dump(overrides), source="scenario", defaults=scenario)
 
 
@@ -71,12 +72,3 @@ def _parse_value(text: str, value: str) -> Any:
         return parse_yaml(value)
     except UserError as error:
         raise UserError(f"--set {text!r}: {error}") from error
-
-
-def _put(tree: dict[str, Any], dotted: str, value: object) -> None:
-    *path, leaf = dotted.split(".")
-    for name in path:
-        tree = tree.setdefault(name, {})
-        if not isinstance(tree, dict):
-            raise UserError(f"field {dotted}: {name} is given twice, as a value and as a group")
-    tree[leaf] = value

@@ -9,6 +9,7 @@ import numpy as np
 import yaml
 
 from keypush.errors import UserError
+from keypush.field_tree import put_field
 from keypush.objects.library import object_folder, object_names, parse_object_list
 from keypush.scenario import Scenario, load_scenario, parse_scenario
 
@@ -37,7 +38,7 @@ def resolve_scenario(source: ScenarioSource | None) -> Scenario:
     try:
         tree: dict[str, Any] = {}
         for name, value in source.items():
-            _put(tree, str(name), value)
+            put_field(tree, str(name), _plain(value))
         text = yaml.safe_dump(tree)
     except (yaml.YAMLError, RecursionError) as error:
         raise UserError("scenario: allowed: numbers, texts, lists and mappings of them") from error
@@ -87,21 +88,10 @@ def _joined(names: Any) -> str:
     raise UserError(f"objects is {names!r}; allowed: names in a list, or in one text")
 
 
-def _put(tree: dict[str, Any], dotted: str, value: Any) -> None:
-    *path, leaf = dotted.split(".")
-    for name in path:
-        tree = tree.setdefault(name, {})
-        if not isinstance(tree, dict):
-            raise UserError(f"field {dotted}: {name} is given twice, as a value and as a group")
-    if isinstance(value, Mapping):
-        for name, inner in value.items():
-            _put(tree.setdefault(leaf, {}), str(name), inner)
-    else:
-        tree[leaf] = _plain(value)
-
-
 def _plain(value: Any) -> Any:
     """Python's own numbers in place of NumPy's, which YAML does not know."""
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
+    if isinstance(value, Mapping):
+        return {name: _plain(inner) for name, inner in value.items()}
     return [_plain(entry) for entry in value] if isinstance(value, list | tuple) else value

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from keypush.dataset.arrays import to_array
 from keypush.learning.policy_model import policy_weights
-from keypush.objects.catalogue import catalogue
-from keypush.objects.library import USER_GROUP
+from keypush.objects.listing import split_of
 from keypush.planning.plan_state import Stage
 from keypush.policies import find_policy
 from keypush.rollout.job import Block, Job
@@ -85,7 +84,7 @@ def _block_records(
         mine = columns["episode"] == told["episode"]
         x, y, _ = told.pop("final_position")
         measured = measure_rows({name: column[mine] for name, column in columns.items()})
-        known = {**shared, **told, "set": _set(block.object)}
+        known = {**shared, **told, "set": split_of(block.object)}
         yield {**known, **measured, "final_x": x, "final_y": y}
 
 
@@ -105,7 +104,3 @@ def _weights_file(scenario: Scenario) -> str:
         return ""
     path, _ = policy_weights(scenario.policy, scenario.predictor.weights)
     return path.name
-
-
-def _set(name: str) -> str:
-    return catalogue()[name].split if name in catalogue() else USER_GROUP
