@@ -25,17 +25,18 @@ from keypush.learning.imitation.train import train_imitation
 
 ROWS = [625, 2_500, 10_000, 40_000, 0]
 """With 16 objects: 10 000 rows, four times as many, and so on, and all."""
+PASSES = 5
 _SPLITS = {"train": "objects trained on", "id": "like them", "ood": "unlike them"}
 
 
 def settings(data: Path, rows: int) -> ImitationConfig:
     """Returns those of a training: fewer rows are seen more often."""
     usual = ImitationConfig(rows_per_object=rows)
-    if not rows:
-        return usual
-    dataset = open_dataset(data)
-    every = (1 - usual.validation_share) * dataset.frames
-    factor = every / (rows * len(set(dataset.episodes["object"].to_pylist())))
+    factor = PASSES / usual.epochs
+    if rows:
+        dataset = open_dataset(data)
+        every = (1 - usual.validation_share) * dataset.frames
+        factor *= every / (rows * len(set(dataset.episodes["object"].to_pylist())))
     return replace(
         usual,
         epochs=round(usual.epochs * factor),

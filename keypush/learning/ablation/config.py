@@ -24,6 +24,12 @@ class AblationHead(ImitationConfig):
     """Draws rows and clouds, which are the same for all settings and `seeds`."""
     rows_per_object: int = number(10_000, 0, 10**9)
     """Rows of each object that are trained on, drawn from all of its rows; 0: every row."""
+    batch: int = number(1024, 1, 65_536)
+    """Rows per optimiser step."""
+    learning_rate: float = number(4e-3, 1e-7, 1.0)
+    """AdamW's rate at the beginning."""
+    dropout: float = number(0.1, 0.0, 0.9)
+    """Of the head, as in the thesis."""
 
 
 _SET_BY_ABLATION: Mapping[type, tuple[str, ...]] = {

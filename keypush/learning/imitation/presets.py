@@ -7,7 +7,13 @@ from keypush.presets import with_preset
 
 PRESETS: dict[str, dict[str, Any]] = {
     "affordable": {},
-    "thesis": {"rows_per_object": 0, "batch": 64, "learning_rate": 4e-4, "cache": False},
+    "thesis": {
+        "rows_per_object": 0,
+        "batch": 64,
+        "learning_rate": 4e-4,
+        "dropout": 0.1,
+        "cache": False,
+    },
 }
 """Fields of `ImitationConfig` that differ from their defaults, by name."""
 
