@@ -26,6 +26,7 @@ from keypush.learning.imitation.train import train_imitation
 ROWS = [625, 2_500, 10_000, 40_000, 0]
 """With 16 objects: 10 000 rows, four times as many, and so on, and all."""
 PASSES = 5
+"""Over all rows: a training of every size takes as many steps."""
 _SPLITS = {"train": "objects trained on", "id": "like them", "ood": "unlike them"}
 
 
