@@ -14,8 +14,8 @@ from keypush.cli.parallel_options import WorkerOptions, check_positive
 class Reproduce(WorkerOptions):
     """Run the thesis' policies and ours under its conditions, and write its tables anew.
 
-    Writes OUT/tables.md and OUT/summary.json, with OUT/records.parquet of all episodes and the
-    records of OUT/POLICY/CONDITION; a stopped run goes on. See docs/evaluation.md.
+    Writes OUT/tables.md, OUT/summary.json and OUT/speed.md, with OUT/records.parquet of all
+    episodes and the records of OUT/POLICY/CONDITION; a stopped run goes on. See docs/evaluation.md.
     """
 
     scale: Literal["quick", "full"]
@@ -29,7 +29,7 @@ class Reproduce(WorkerOptions):
     def run(self) -> None:
         """Runs the verb."""
         from keypush.reproduction.plan import PLANS, REPRODUCED, check_policies
-        from keypush.reproduction.report import TABLES_FILE
+        from keypush.reproduction.report import SPEED_FILE, TABLES_FILE
         from keypush.reproduction.reproduce import reproduce
 
         check_positive("workers", self.workers)
@@ -44,9 +44,10 @@ class Reproduce(WorkerOptions):
             engine=self.engine,
             ablation=self._ablation(out),
         )
-        tables = out / TABLES_FILE
-        print(tables.read_text(encoding="utf-8"))
-        print(f"written: {tables}")
+        tables, speed = out / TABLES_FILE, out / SPEED_FILE
+        for path in (tables, speed):
+            print(path.read_text(encoding="utf-8"))
+        print(f"written: {tables} and {speed}")
 
     def _ablation(self, out: Path) -> str | None:
         """Writes the page of the ablation; before anything runs, since its folder may be wrong."""

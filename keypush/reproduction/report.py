@@ -1,4 +1,4 @@
-"""`tables.md` and `summary.json` of a reproduction."""
+"""`tables.md`, `summary.json` and `speed.md` of a reproduction."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -20,11 +20,12 @@ from keypush.reproduction.comparisons import (
 from keypush.reproduction.plan import Plan
 from keypush.reproduction.tables import comparison_table, measures_table, throughput_table
 from keypush.reproduction.thesis_figures import SIZE_TABLES
-from keypush.reproduction.throughput import Session, rate
+from keypush.reproduction.throughput import Session
 from keypush.seeding import EVALUATION_SEEDS
 
 TABLES_FILE = "tables.md"
 SUMMARY_FILE = "summary.json"
+SPEED_FILE = "speed.md"
 _SETS = {
     "train": "training objects",
     "id": "novel objects similar to those (ID)",
@@ -34,10 +35,11 @@ _NO_ABLATION = (
     "Not run. `keypush ablate --data DATA --out ABLATION` trains its settings; after that the same "
     "`keypush reproduce` with `--ablation ABLATION` puts the tables here."
 )
-_SPEED = (
-    "Episodes per second of wall time, over all starts of the command and with the start of its "
-    "workers."
-)
+_SPEED = """# How long it took
+
+Episodes per second of wall time, over all starts of the command and with the start of its workers.
+
+"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,7 +72,7 @@ class _Section:
 
 
 def write_reproduction(found: Reproduction, out: Path) -> None:
-    """Writes `tables.md` and `summary.json`.
+    """Writes `tables.md` and `summary.json`, the same for the same episodes, and `speed.md`.
 
     Raises:
         UserError: a file cannot be written.
@@ -81,6 +83,8 @@ def write_reproduction(found: Reproduction, out: Path) -> None:
     write_whole(out / TABLES_FILE, text.encode())
     report = _describe(found, sections)
     write_whole(out / SUMMARY_FILE, (json.dumps(report, indent=2) + "\n").encode())
+    # In a file of its own: it alone differs from run to run.
+    write_whole(out / SPEED_FILE, f"{_SPEED}{throughput_table(found.sessions)}\n".encode())
 
 
 def render(found: Reproduction, results: Results, sections: Sequence[_Section]) -> str:
@@ -94,9 +98,6 @@ def render(found: Reproduction, results: Results, sections: Sequence[_Section]) 
         measures_table(results, found.plan.objects),
         "## Tables 5.3, 5.4, A.1, A.2 and figure 5.4: the ablation",
         found.ablation or _NO_ABLATION,
-        "## Speed",
-        _SPEED,
-        throughput_table(found.sessions),
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -164,12 +165,5 @@ def _describe(found: Reproduction, sections: Sequence[_Section]) -> dict[str, An
         "episodes": len(found.records),
         "tables": {
             section.number: [line.describe() for line in section.lines] for section in sections
-        },
-        "throughput": {
-            policy: {
-                "episodes_per_second": rate(mine),
-                "sessions": [asdict(session) for session in mine],
-            }
-            for policy, mine in found.sessions.items()
         },
     }

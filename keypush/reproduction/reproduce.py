@@ -28,8 +28,8 @@ def reproduce(
     """Reproduces the tables, or goes on where it was stopped.
 
     Every policy under every condition is a part, an evaluation in OUT/POLICY/CONDITION of which
-    the records stay. After each, `records.parquet`, `tables.md` and `summary.json` in OUT tell of
-    all that are finished.
+    the records stay. After each, `records.parquet`, `tables.md`, `summary.json` and `speed.md` in
+    OUT tell of all that are finished.
 
     Args:
         plan: what to run of each policy.
