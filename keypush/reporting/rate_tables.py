@@ -93,8 +93,13 @@ def condition_table(episodes: Episodes) -> ReportTable:
     )
 
 
-def object_table(episodes: Episodes) -> ReportTable:
-    """One row per object, one column per policy."""
+def object_table(episodes: Episodes, condition: str = "") -> ReportTable:
+    """One row per object, one column per policy.
+
+    Args:
+        episodes: to tell of.
+        condition: theirs, for the caption, where the text above the table does not tell it.
+    """
     drivers = episodes.values("driver")
     rows: list[Row] = []
     for name, of_set in episodes.split("set"):
@@ -103,7 +108,7 @@ def object_table(episodes: Episodes) -> ReportTable:
             cells = [_fraction(found[name]) if name in found else NOTHING for name in drivers]
             rows.append((SETS[name], thing, *cells))
     return ReportTable(
-        "Success by object",
+        f"Success by object{condition and f', {condition}'}",
         ("objects", "object"),
         drivers,
         rows,

@@ -146,7 +146,9 @@ def _shifts(episodes: Episodes, drivers: Drivers) -> Section | None:
     if not len(part):
         return None
     panels = dict(episodes.of(Family.NOMINAL, Family.SHIFT).split("condition"))
-    return Section("Centre of mass", "", [shift_table(part)], [set_figure(panels, drivers)])
+    by_object = [object_table(shifted, words) for words, shifted in part.split("condition")]
+    figure = set_figure(panels, drivers)
+    return Section("Centre of mass", "", [shift_table(part), *by_object], [figure])
 
 
 def _others(episodes: Episodes, _drivers: Drivers) -> Section | None:

@@ -110,7 +110,7 @@ def test_text_and_drawings_stand_out_in_both_schemes(
 
 def test_without_scripts_tables_are_there(browser: Browser, file: Path) -> None:
     page = _open(browser, file, PHONE, java_script_enabled=False).page
-    assert page.locator("table").count() == 7
+    assert page.locator("table").count() == 8
     assert page.locator("table").first.is_visible()
     assert page.get_by_role("rowheader", name="unseen (both)").first.is_visible()
     assert page.get_by_role("img").first.is_visible()

@@ -34,7 +34,7 @@ def test_page_and_markdown_hold_every_table(report: Report) -> None:
     tables = [table for section in report.sections for table in section.tables]
     grids = read_tables(render_page(report, []))
     assert grids == [[table.headings, *map(list, table.rows)] for table in tables]
-    assert len(grids) == 7
+    assert len(grids) == 8
     markdown = render_markdown(report)
     for table in tables:
         lines = [f"| {' | '.join(row)} |" for row in (table.headings, *table.rows)]

@@ -21,6 +21,7 @@ from keypush.reporting.rate_tables import (
     shift_table,
     size_table,
 )
+from keypush.reporting.report import build_report
 from keypush.reporting.words import grouped, p_value, percent, points
 from tests.reporting.made_up import failed, gathered, many_records, record
 
@@ -85,6 +86,15 @@ def test_objects_that_a_policy_did_not_push_are_left_open(tmp_path: Path) -> Non
         ("training objects", "mug", "1/1 (20.7 to 100.0 %)", "1/1 (20.7 to 100.0 %)"),
         ("training objects", "can", "0/1 (0.0 to 79.3 %)", "\N{EN DASH}"),
     ]
+
+
+def test_objects_with_a_shifted_centre_of_mass_have_a_table_of_their_own(tmp_path: Path) -> None:
+    shifted = [failed(com_shift=0.01), record(com_shift=0.02)]
+    sections = build_report(gathered(tmp_path, [record(), *shifted])).sections
+    tables = {table.caption: table.rows for section in sections for table in section.tables}
+    assert tables["Success by object"][0][2] == "1/1 (20.7 to 100.0 %)"
+    assert tables["Success by object, COM shifted 10 mm"][0][2] == "0/1 (0.0 to 79.3 %)"
+    assert tables["Success by object, COM shifted 20 mm"][0][2] == "1/1 (20.7 to 100.0 %)"
 
 
 def test_failures_by_class(tmp_path: Path) -> None:
