@@ -201,6 +201,8 @@ class PlannerConfig:
     """Distance behind the contact at which the tool comes down."""
     push_speed: float = _number(0.065, 0.001, 0.6)
     """Speed of the tool while it pushes, m/s."""
+    touch_speed: float = _number(0.02, 0.001, 0.6)
+    """Speed of the tool where it may first touch the object, m/s; at most `push_speed`."""
     free_speed: float = _number(0.30, 0.01, 1.0)
     """Speed of the tool in free motion, m/s."""
     turn_rate: float = _number(0.6, 0.01, 3.0)

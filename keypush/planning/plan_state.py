@@ -47,6 +47,8 @@ class PlanState:
     """Steps that a push still gives way to an object that tilts."""
     waits: int
     """How often the pushes of this episode gave way."""
+    touching: int
+    """Steps of a push since the tool came near the contact, or last gave way; 0 before."""
     posture: Posture
     """How the tool is held."""
     R_WR: RotationMatrix
@@ -60,14 +62,14 @@ class PlanState:
     tilt: float
     """Of the object in the last step, rad."""
 
-    SIZE = 22
+    SIZE = 23
 
     def to_vector(self) -> Array:
         """Packs the state for a Context."""
         quaternion = self.R_WR.ToQuaternion().wxyz()
         posture = [self.posture.side, self.posture.pitch, self.posture.height]
         counts = [self.stage, self.steps, self.strikes, self.jammed, self.stalled]
-        waits = [self.waiting, self.waits]
+        waits = [self.waiting, self.waits, self.touching]
         last = [self.nearest, self.tilt]
         return np.concatenate([counts, waits, posture, quaternion, self.p_WR, self.p_WT, last])
 
@@ -82,12 +84,13 @@ class PlanState:
             stalled=round(x[4]),
             waiting=round(x[5]),
             waits=round(x[6]),
-            posture=Posture(round(x[7]), float(x[8]), float(x[9])),
-            R_WR=RotationMatrix(Quaternion(x[10:14])),
-            p_WR=np.array(x[14:17]),
-            p_WT=np.array(x[17:20]),
-            nearest=float(x[20]),
-            tilt=float(x[21]),
+            touching=round(x[7]),
+            posture=Posture(round(x[8]), float(x[9]), float(x[10])),
+            R_WR=RotationMatrix(Quaternion(x[11:15])),
+            p_WR=np.array(x[15:18]),
+            p_WT=np.array(x[18:21]),
+            nearest=float(x[21]),
+            tilt=float(x[22]),
         )
 
     @staticmethod
@@ -102,6 +105,7 @@ class PlanState:
             stalled=0,
             waiting=0,
             waits=0,
+            touching=0,
             posture=UNDECIDED,
             R_WR=X_WE.rotation(),
             p_WR=p_WE,

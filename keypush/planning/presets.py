@@ -14,6 +14,7 @@ EXPERTS: dict[str, dict[str, Any]] = {
         "wrist_yaw_deg": 0.0,
         "tool_height": 0.025,
         "approach_margin": 0.01,
+        "touch_speed": 0.6,
         "lateral_gain": 0.0,
         "reapproach_error": 0.2,
         "wait_tilt_deg": 90.0,

@@ -19,7 +19,14 @@ from keypush.control.arm_kinematics import ArmKinematics
 from keypush.control.differential_ik import undamped_action
 from keypush.planning.finger import lowest_corner
 from keypush.planning.plan_state import UNDECIDED, PlanState, PushObservation, Stage
-from keypush.planning.posture import REACHED, Posture, choose_posture
+from keypush.planning.posture import (
+    REACHED,
+    InverseKinematics,
+    Posture,
+    choose_posture,
+    follow_ik,
+    solve_ik,
+)
 from keypush.planning.push_frame import left_of, rotation_vector, tool_rotation
 from keypush.scenario import ControlConfig, PlannerConfig, TableConfig
 
@@ -45,6 +52,13 @@ _JAMMED_STEPS = 15
 _STALLED_STEPS = 30
 _WAY = 0.002
 """A push that comes no nearer to its end than this in so many steps is barred, m."""
+_NEAR = 0.025
+"""Distance from the contact within which the tool may touch, m: the fingers reach ahead of its tip,
+and the contact is known to about a centimetre."""
+_TOUCH_STEPS = 8
+"""So long a push is slow from there on."""
+_GAIN_STEPS = 5
+"""And so long it takes from there to its full speed."""
 _WAIT_STEPS = 6
 _TILT_GROWS = np.deg2rad(0.15)
 """Growth of the tilt in a policy step at which a push gives way."""
@@ -53,7 +67,7 @@ _TILT_MORE = np.deg2rad(0.2)
 _TILT_MOST = np.deg2rad(2.0)
 """Each time that a push gave way it bears so much more tilt the next time, up to the latter: some
 objects lean on the finger while they are pushed, and would never arrive."""
-_GIVE_WAY = 0.02
+_GIVE_WAY = 0.01
 """How far behind the tool its reference is while it gives way, m."""
 # After a retreat the tool stays low if it is this far behind the contact, and not farther
 # than this beside the line of the push; else it goes over the object.
@@ -66,14 +80,18 @@ the object lifts it."""
 _START_ABOVE = 0.005
 """A push starts this much above its height, m."""
 _SCRAPE = 0.0025
-"""How far below its height the tool may be before it must rise, m."""
+"""How far below its height the tool presses half as much, m: there the fingers slide on the
+table."""
 _PUSH_LEAD = 0.012
 """How far ahead of the tool a push's reference may be, m: an arm that is held up would
 otherwise shoot forward later."""
 _RISEN = (0.0, 0.003)
 """Rise of a pushing tool above its height at which the lead begins to shrink, and is gone, m."""
 _PRESS = 0.003
-"""How far below the tool the reference of a push is, m: about 1 N downwards."""
+"""How far below the tool the reference of a push is where it is high, m: about 1 N downwards."""
+_PRESS_BAND = 0.001
+"""The press falls to a half over this above the height that a tool may scrape at, to nothing over
+as much below. A press that was switched there let the tool hop, and the object with it, m."""
 _EDGE = 0.01
 """Where the tool tip is this far inside the table's edge, the fingers' lowest corner is, too, m."""
 _LARGEST_GAIN = 2.0
@@ -137,7 +155,7 @@ class PushStages:
         where it can only be low above the start, limits of the joints are near.
         """
         usual = [p for p in self._pitches if p - self._pitches[0] < _MUCH_STEEPER]
-        return self._choose_posture(seen, usual, _LOWER[:1])[1] < REACHED
+        return self._choose_posture(seen, usual, _LOWER[:1], solve=solve_ik)[1] < REACHED
 
     # Which stage -----------------------------------------------------------------------
 
@@ -160,7 +178,15 @@ class PushStages:
         if state.stage == stage:
             return state
         return replace(
-            state, stage=stage, steps=0, strikes=0, jammed=0, stalled=0, waiting=0, nearest=np.inf
+            state,
+            stage=stage,
+            steps=0,
+            strikes=0,
+            jammed=0,
+            stalled=0,
+            waiting=0,
+            touching=0,
+            nearest=np.inf,
         )
 
     def _choose_posture(
@@ -169,13 +195,22 @@ class PushStages:
         pitches: Sequence[float],
         lower: Sequence[float] = _LOWER,
         sides: Sequence[int] = (1, -1),
+        solve: InverseKinematics = follow_ik,
     ) -> tuple[Posture, float]:
         end = seen.p_WK + max(seen.distance, 0.0) * seen.d_W
         end[2] = self._config.tool_height
         start = self._beside(seen, -self._config.approach_margin, 0.0, self._config.tool_height)
         heights = [share * self._config.approach_height for share in lower]
         return choose_posture(
-            self._arm, seen.q, seen.d_W, [start, end], pitches, heights, self._wrist_yaw, sides
+            self._arm,
+            seen.q,
+            seen.d_W,
+            [start, end],
+            pitches,
+            heights,
+            self._wrist_yaw,
+            sides,
+            solve=solve,
         )
 
     def _after_rise(self, state: PlanState, seen: PushObservation) -> PlanState:
@@ -221,6 +256,7 @@ class PushStages:
             p_WT = self._beside(seen, min(forward, -_CLEAR), left, self._height(state))
             return replace(self._enter(state, Stage.RETREAT), p_WT=p_WT)
         state = self._heed_tilt(self._count_troubles(state, seen), seen)
+        state = self._count_touch(state, seen)
         if state.strikes < _REAPPROACH_STEPS and not self._barred(state):
             return state
         p_WT = seen.X_WE.translation() - self._config.approach_margin * self._heading(seen)
@@ -243,6 +279,13 @@ class PushStages:
             stalled=0 if nearer else state.stalled + 1,
             nearest=seen.distance if nearer else state.nearest,
         )
+
+    @staticmethod
+    def _count_touch(state: PlanState, seen: PushObservation) -> PlanState:
+        """Counts from where the tool may touch the object, and anew once it gave way."""
+        gap = float((seen.p_WK - seen.X_WE.translation()) @ seen.d_W)
+        near = not state.waiting and (state.touching > 0 or gap < _NEAR)
+        return replace(state, touching=state.touching + 1 if near else 0)
 
     def _heed_tilt(self, state: PlanState, seen: PushObservation) -> PlanState:
         """Gives way for a while to an object that tilts more and more: so it falls back."""
@@ -305,7 +348,7 @@ class PushStages:
             step = free
         elif state.stage == Stage.PUSH:
             target = self._push_target(state, seen)
-            step = self._config.push_speed * self._period
+            step = self._push_step(state)
         elif state.stage == Stage.RISE:
             target = state.p_WR + np.array([0.0, 0.0, free])
             step = free
@@ -341,9 +384,21 @@ class PushStages:
         rise = float(p_WE[2]) - self._height(state)
         return float(np.clip((_RISEN[1] - rise) / (_RISEN[1] - _RISEN[0]), 0.0, 1.0))
 
+    def _push_step(self, state: PlanState) -> float:
+        """How far a push's reference goes: little where it may touch, then more in every step.
+
+        The impact of a tool at full speed tips an object that stands on little, where the force of
+        the push that follows would not.
+        """
+        full = self._config.push_speed
+        slow = min(self._config.touch_speed, full)
+        gained = float(np.clip((state.touching - _TOUCH_STEPS) / _GAIN_STEPS, 0.0, 1.0))
+        speed = slow + gained * (full - slow) if state.touching else full
+        return speed * self._period
+
     def _push_target(self, state: PlanState, seen: PushObservation) -> Array:
         """One step ahead along d_W, steered towards the line through the contact."""
-        step = self._config.push_speed * self._period
+        step = self._push_step(state)
         left = left_of(seen.d_W)
         error = float((state.p_WR - seen.p_WK) @ left)
         steer = np.clip(-self._config.lateral_gain * error / 0.01, -1.0, 1.0)
@@ -362,8 +417,8 @@ class PushStages:
         height = self._height(state)
         if np.any(np.abs(p_WE[:2]) > self._over_table):
             return float(np.clip(height - p_WE[2], -_PRESS, _PRESS))
-        low = height - _SCRAPE
-        return min(low - float(p_WE[2]), _PRESS) if p_WE[2] < low else -_PRESS
+        above = float(p_WE[2]) - (height - _SCRAPE)
+        return float(np.clip(-_PRESS / 2 * (1 + above / _PRESS_BAND), -_PRESS, _PRESS))
 
     def _turn(self, state: PlanState, seen: PushObservation) -> RotationMatrix:
         if state.stage == Stage.RETREAT or state.posture == UNDECIDED:

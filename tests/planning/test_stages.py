@@ -14,6 +14,7 @@ from keypush.planning.finger import lowest_corner
 from keypush.planning.plan_state import PlanState, PushObservation, Stage
 from keypush.planning.posture import Posture
 from keypush.planning.push_frame import left_of, rotation_vector, tool_rotation
+from keypush.planning.stages import PushStages
 from keypush.scenario import TableConfig
 from tests.control.arm import ARM, CLIP, Array, starts, vectors
 from tests.planning.ideal_tool import (
@@ -63,7 +64,8 @@ def test_the_tool_pushes_straight_at_the_goal(episode: list[Step]) -> None:
         moved = step.after.p_WR - step.before.p_WR
         # A tool that is above its height sinks first: it would lift the object.
         low = step.seen.X_WE.translation()[2] <= CONFIG.tool_height
-        assert moved @ step.seen.d_W > (0.8 if low else 0.0) * CONFIG.push_speed * PERIOD - 1e-9
+        speed = CONFIG.touch_speed if step.after.touching else CONFIG.push_speed
+        assert moved @ step.seen.d_W > (0.8 if low else 0.0) * speed * PERIOD - 1e-9
         off_line = (step.after.p_WR - CONTACT) @ left_of(step.seen.d_W)
         assert abs(off_line) < CONFIG.reapproach_error
         R_WE = tool_rotation(step.seen.d_W, step.after.posture.pitch, step.after.posture.side)
@@ -162,7 +164,7 @@ def test_a_tool_that_stays_too_high_to_push_lets_go_and_comes_again() -> None:
 
 def test_a_tool_that_was_too_high_for_a_moment_goes_on() -> None:
     tool = _pushing()
-    for _ in range(3):
+    for _ in range(2):
         for _ in range(5):
             tool.step(held_up)
         for _ in range(5):
@@ -225,6 +227,70 @@ def test_a_push_bears_more_tilt_each_time_it_gave_way() -> None:
         tool.step(_tilted(tilt))
         assert tool.state.waits == waits
         tool.step(_tilted(0.0))
+
+
+def _speed(step: Step) -> float:
+    return float(np.linalg.norm(step.after.p_WR - step.before.p_WR)) / PERIOD
+
+
+def _at_height(_: PlanState, seen: PushObservation) -> PushObservation:
+    """The tool is where the press is nothing, so that the reference moves across alone."""
+    p_WE = seen.X_WE.translation().copy()
+    p_WE[2] = CONFIG.tool_height - 0.0035
+    return replace(seen, X_WE=RigidTransform(seen.X_WE.rotation(), p_WE))
+
+
+def test_a_push_is_slow_where_it_may_touch_and_reaches_its_speed_after_that() -> None:
+    tool = IdealTool(CONTACT, GOALS[2])
+    tool.run(Stage.PUSH)
+    steps = [tool.step(_at_height) for _ in range(25)]
+    gaps = [(s.seen.p_WK - s.seen.X_WE.translation()) @ s.seen.d_W for s in steps]
+    first = next(i for i, gap in enumerate(gaps) if gap < 0.025)
+    assert 0 < first < 10
+    near = [_speed(step) for step in steps[first : first + 8]]
+    np.testing.assert_allclose(near, CONFIG.touch_speed, rtol=1e-6)
+    gained = [_speed(step) for step in steps[first + 8 : first + 13]]
+    assert np.all(np.diff(gained) > 0.0)
+    assert gained[-1] == pytest.approx(CONFIG.push_speed)
+
+
+def test_a_push_that_gave_way_touches_slowly_again() -> None:
+    tool = IdealTool(CONTACT, GOALS[2])
+    tool.run(Stage.PUSH)
+    while tool.state.touching < 20:
+        tool.step(_at_height)
+    tool.step(_tilted(1.2))
+    assert (tool.state.waiting > 0, tool.state.touching) == (True, 0)
+    while tool.state.waiting or not tool.state.touching:
+        tool.step(_at_height)
+    assert _speed(tool.step(_at_height)) == pytest.approx(CONFIG.touch_speed)
+
+
+def test_a_push_that_is_slower_than_a_touch_keeps_its_speed() -> None:
+    config = replace(CONFIG, push_speed=0.01)
+    stages = PushStages(ARM, config, CONTROL, TableConfig(), PERIOD)
+    tool = IdealTool(CONTACT, GOALS[2])
+    tool.run(Stage.PUSH)
+    while not tool.state.touching:
+        tool.step(_at_height)
+    seen = _at_height(tool.state, tool.see())
+    after = stages.advance(tool.state, seen)
+    moved = (after.p_WR - tool.state.p_WR)[:2]
+    assert np.linalg.norm(moved) == pytest.approx(0.01 * PERIOD, rel=1e-3)
+
+
+def test_the_press_has_no_jump() -> None:
+    """A press that is switched makes a tool hop that slides on the table."""
+    tool = _pushing()
+    X_WE = tool.X_WE
+    heights = CONFIG.tool_height + np.linspace(-0.01, 0.01, 401)
+    presses = []
+    for height in heights:
+        p_WE = np.array([*X_WE.translation()[:2], height])
+        seen = replace(tool.see(), X_WE=RigidTransform(X_WE.rotation(), p_WE))
+        presses.append(STAGES.advance(tool.state, seen).p_WR[2] - height)
+    assert np.max(np.abs(np.diff(presses))) < 2e-4
+    assert presses[0] > 0.0 > presses[-1]
 
 
 def test_beside_the_table_a_push_keeps_its_height_instead_of_pressing_down() -> None:
@@ -332,6 +398,7 @@ states = st.builds(
     stalled=st.integers(0, 40),
     waiting=st.integers(0, 6),
     waits=st.integers(0, 20),
+    touching=st.integers(0, 300),
     posture=st.builds(
         Posture, st.sampled_from([1, -1]), st.just(np.pi / 3), st.just(CONFIG.approach_height)
     ),
@@ -356,6 +423,7 @@ def test_the_state_survives_its_way_through_a_context(state: PlanState) -> None:
         "stalled",
         "waiting",
         "waits",
+        "touching",
         "posture",
         "nearest",
         "tilt",
