@@ -1,24 +1,14 @@
-"""The stages of a push: over and behind the contact, down, settle, push, and again if needed.
-
-The planner moves a reference for the tool at set speeds, and the tool follows it. Moving
-the measured tool pose by fixed steps instead would make the push as fast as the arm's
-lag allows, which differs between integrators; a moving reference arrives at the same
-time whatever the lag.
-"""
+"""The stages of a push: over and behind the contact, down, settle, push, and again if needed."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.common.eigen_geometry import AngleAxis
-from pydrake.math import RotationMatrix
 
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.control.differential_ik import undamped_action
-from keypush.planning.finger import lowest_corner
-from keypush.planning.plan_state import UNDECIDED, PlanState, PushObservation, Stage
+from keypush.planning.plan_state import PlanState, PushObservation, Stage
 from keypush.planning.posture import (
     REACHED,
     InverseKinematics,
@@ -27,7 +17,8 @@ from keypush.planning.posture import (
     follow_ik,
     solve_ik,
 )
-from keypush.planning.push_frame import left_of, rotation_vector, tool_rotation
+from keypush.planning.push_frame import left_of, rotation_vector
+from keypush.planning.tool_reference import ToolReference
 from keypush.scenario import ControlConfig, PlannerConfig, TableConfig
 
 Array = NDArray[np.float64]
@@ -55,10 +46,6 @@ _WAY = 0.002
 _NEAR = 0.025
 """Distance from the contact within which the tool may touch, m: the fingers reach ahead of its tip,
 and the contact is known to about a centimetre."""
-_TOUCH_STEPS = 8
-"""So long a push is slow from there on."""
-_GAIN_STEPS = 5
-"""And so long it takes from there to its full speed."""
 _WAIT_STEPS = 6
 _TILT_GROWS = np.deg2rad(0.15)
 """Growth of the tilt in a policy step at which a push gives way."""
@@ -67,8 +54,6 @@ _TILT_MORE = np.deg2rad(0.2)
 _TILT_MOST = np.deg2rad(2.0)
 """Each time that a push gave way it bears so much more tilt the next time, up to the latter: some
 objects lean on the finger while they are pushed, and would never arrive."""
-_GIVE_WAY = 0.01
-"""How far behind the tool its reference is while it gives way, m."""
 # After a retreat the tool stays low if it is this far behind the contact, and not farther
 # than this beside the line of the push; else it goes over the object.
 _LOW_PATH_BEHIND = 0.02
@@ -77,23 +62,6 @@ _RETREAT_STEPS = 15
 _CLEAR = 0.025
 """A retreat goes at least so far behind the contact, m: a tool that rises while it still touches
 the object lifts it."""
-_START_ABOVE = 0.005
-"""A push starts this much above its height, m."""
-_SCRAPE = 0.0025
-"""How far below its height the tool presses half as much, m: there the fingers slide on the
-table."""
-_PUSH_LEAD = 0.012
-"""How far ahead of the tool a push's reference may be, m: an arm that is held up would
-otherwise shoot forward later."""
-_RISEN = (0.0, 0.003)
-"""Rise of a pushing tool above its height at which the lead begins to shrink, and is gone, m."""
-_PRESS = 0.003
-"""How far below the tool the reference of a push is where it is high, m: about 1 N downwards."""
-_PRESS_BAND = 0.001
-"""The press falls to a half over this above the height that a tool may scrape at, to nothing over
-as much below. A press that was switched there let the tool hop, and the object with it, m."""
-_EDGE = 0.01
-"""Where the tool tip is this far inside the table's edge, the fingers' lowest corner is, too, m."""
 _LARGEST_GAIN = 2.0
 """Bound on undoing the damping of the inverse kinematics near singularities."""
 _STEEPER = np.deg2rad([0.0, 5.0, 10.0, 15.0, 20.0])
@@ -104,8 +72,6 @@ _STUCK = 60
 """Policy steps on the way to a push after which the tool rises and tries anew."""
 _LOWER = (1.0, 0.75, 0.5)
 """Shares of the approach height that are tried where the arm cannot reach higher."""
-_OVERHEAD = 0.04
-"""Distance from the point of descent within which the tool may go below that height, m."""
 
 
 class PushStages:
@@ -123,22 +89,18 @@ class PushStages:
         self._arm = arm
         self._config = config
         self._control = control
-        self._period = period
+        self._reference = ToolReference(config, control, table, period)
         pitch = np.deg2rad(config.pitch_deg)
         self._wrist_yaw = float(np.deg2rad(config.wrist_yaw_deg))
         self._pitches = [float(p) for p in np.minimum(pitch + _STEEPER, np.pi / 2)]
-        self._over_table = np.array([table.length, table.width]) / 2 - _EDGE
-        # Within these the clip of the action does not bind.
-        self._lead = control.max_translation / config.tracking_gain
-        self._turn_lead = control.max_rotation / config.tracking_gain
 
     def advance(self, state: PlanState, seen: PushObservation) -> PlanState:
         """Returns the state of the next policy step: stage first, then its reference."""
         state = self._choose_stage(state, seen)
         if state.stage == Stage.HALTED:
             return state
-        p_WR = self._move(state, seen)
-        return replace(state, p_WR=p_WR, R_WR=self._turn(state, seen))
+        p_WR = self._reference.move(state, seen)
+        return replace(state, p_WR=p_WR, R_WR=self._reference.turn(state, seen))
 
     def action(self, state: PlanState, seen: PushObservation) -> Array:
         """Returns the residual tool action (6,): translation in m, axis-angle in rad, in W."""
@@ -156,8 +118,6 @@ class PushStages:
         """
         usual = [p for p in self._pitches if p - self._pitches[0] < _MUCH_STEEPER]
         return self._choose_posture(seen, usual, _LOWER[:1], solve=solve_ik)[1] < REACHED
-
-    # Which stage -----------------------------------------------------------------------
 
     def _choose_stage(self, state: PlanState, seen: PushObservation) -> PlanState:
         if seen.halted:
@@ -199,7 +159,9 @@ class PushStages:
     ) -> tuple[Posture, float]:
         end = seen.p_WK + max(seen.distance, 0.0) * seen.d_W
         end[2] = self._config.tool_height
-        start = self._beside(seen, -self._config.approach_margin, 0.0, self._config.tool_height)
+        start = self._reference.beside(
+            seen, -self._config.approach_margin, 0.0, self._config.tool_height
+        )
         heights = [share * self._config.approach_height for share in lower]
         return choose_posture(
             self._arm,
@@ -225,14 +187,14 @@ class PushStages:
         return state
 
     def _after_approach(self, state: PlanState, seen: PushObservation) -> PlanState:
-        off = seen.X_WE.translation() - self._above(state, seen)
-        turn = rotation_vector(seen.X_WE.rotation(), self._wanted_rotation(state, seen))
+        off = seen.X_WE.translation() - self._reference.above(state, seen)
+        turn = rotation_vector(seen.X_WE.rotation(), self._reference.wanted_rotation(state, seen))
         if np.linalg.norm(off) < _APPROACH_TOLERANCE and np.linalg.norm(turn) < _TURN_TOLERANCE:
             return self._enter(state, Stage.DESCEND)
         return self._try_anew(state) if state.steps > _STUCK else state
 
     def _after_descend(self, state: PlanState, seen: PushObservation) -> PlanState:
-        if np.linalg.norm(state.p_WR - self._behind(state, seen)) < _ARRIVED:
+        if np.linalg.norm(state.p_WR - self._reference.behind(state, seen)) < _ARRIVED:
             return self._enter(state, Stage.SETTLE)
         return self._try_anew(state) if state.steps > _STUCK else state
 
@@ -241,7 +203,7 @@ class PushStages:
         return replace(self._enter(state, Stage.RISE), strikes=1)
 
     def _after_settle(self, state: PlanState, seen: PushObservation) -> PlanState:
-        off = seen.X_WE.translation() - self._behind(state, seen)
+        off = seen.X_WE.translation() - self._reference.behind(state, seen)
         still = abs(off[2]) < _SETTLE_HEIGHT_TOLERANCE and np.hypot(*off[:2]) < _SETTLE_TOLERANCE
         state = replace(state, strikes=state.strikes + 1 if still else 0)
         if state.strikes < _SETTLED and state.steps <= _SETTLE_STEPS:
@@ -253,14 +215,16 @@ class PushStages:
     def _after_push(self, state: PlanState, seen: PushObservation) -> PlanState:
         if seen.reset_offset is not None:
             forward, left = seen.reset_offset
-            p_WT = self._beside(seen, min(forward, -_CLEAR), left, self._height(state))
+            p_WT = self._reference.beside(
+                seen, min(forward, -_CLEAR), left, self._reference.height(state)
+            )
             return replace(self._enter(state, Stage.RETREAT), p_WT=p_WT)
         state = self._heed_tilt(self._count_troubles(state, seen), seen)
         state = self._count_touch(state, seen)
         if state.strikes < _REAPPROACH_STEPS and not self._barred(state):
             return state
         p_WT = seen.X_WE.translation() - self._config.approach_margin * self._heading(seen)
-        p_WT[2] = self._height(state)
+        p_WT[2] = self._reference.height(state)
         return replace(self._enter(state, Stage.RETREAT), p_WT=p_WT)
 
     @staticmethod
@@ -270,7 +234,7 @@ class PushStages:
     def _count_troubles(self, state: PlanState, seen: PushObservation) -> PlanState:
         off = seen.X_WE.translation() - seen.p_WK
         missed = abs(off @ left_of(seen.d_W)) > self._config.reapproach_error
-        risen = self._push_share(state, seen.X_WE.translation()) == 0.0
+        risen = self._reference.push_share(state, seen.X_WE.translation()) == 0.0
         nearer = seen.distance < state.nearest - _WAY
         return replace(
             state,
@@ -307,132 +271,10 @@ class PushStages:
             return self._enter(state, Stage.DESCEND)
         return self._enter(state, Stage.RISE)
 
-    # Where to --------------------------------------------------------------------------
-
-    def _height(self, state: PlanState) -> float:
-        """Of a pushing tool: a steeper one is lower, so that its finger is as low as otherwise."""
-        pitch = self._pitches[0] if state.posture == UNDECIDED else state.posture.pitch
-        usual, mine = (lowest_corner(p, self._wrist_yaw) for p in (self._pitches[0], pitch))
-        return self._config.tool_height + mine - usual
-
     @staticmethod
-    def _beside(seen: PushObservation, forward: float, left: float, height: float) -> Array:
-        point = seen.p_WK + forward * seen.d_W + left * left_of(seen.d_W)
-        return np.array([point[0], point[1], height + _START_ABOVE])
-
-    def _behind(self, state: PlanState, seen: PushObservation) -> Array:
-        return self._beside(seen, -self._config.approach_margin, 0.0, self._height(state))
-
-    def _above(self, state: PlanState, seen: PushObservation) -> Array:
-        """Over the point of descent; high up while the tool may still be over the object."""
-        behind = self._behind(state, seen)
-        away = np.hypot(*(seen.X_WE.translation() - behind)[:2]) > _OVERHEAD
-        behind[2] = self._config.approach_height if away else state.posture.height
-        return behind
-
-    def _heading(self, seen: PushObservation) -> Array:
+    def _heading(seen: PushObservation) -> Array:
         """The tool's own horizontal heading, which lags behind d_W while it turns."""
         z_axis = seen.X_WE.rotation().matrix()[:, 2]
         heading = np.array([z_axis[0], z_axis[1], 0.0])
         length = float(np.linalg.norm(heading))
         return heading / length if length > 1e-6 else seen.d_W
-
-    def _wanted_rotation(self, state: PlanState, seen: PushObservation) -> RotationMatrix:
-        posture = state.posture
-        return tool_rotation(seen.d_W, posture.pitch, posture.side, self._wrist_yaw)
-
-    def _move(self, state: PlanState, seen: PushObservation) -> Array:
-        free = self._config.free_speed * self._period
-        if state.waiting:
-            target = seen.X_WE.translation() - _GIVE_WAY * seen.d_W
-            step = free
-        elif state.stage == Stage.PUSH:
-            target = self._push_target(state, seen)
-            step = self._push_step(state)
-        elif state.stage == Stage.RISE:
-            target = state.p_WR + np.array([0.0, 0.0, free])
-            step = free
-        else:
-            target, step = {
-                Stage.APPROACH: (self._above(state, seen), free),
-                Stage.DESCEND: (self._behind(state, seen), free / 2),
-                Stage.SETTLE: (self._behind(state, seen), free / 2),
-                Stage.RETREAT: (state.p_WT, free / 2),
-            }[state.stage]
-        return self._step_towards(state, seen, target, step)
-
-    def _step_towards(
-        self, state: PlanState, seen: PushObservation, target: Array, step: float
-    ) -> Array:
-        offset = target - state.p_WR
-        distance = float(np.linalg.norm(offset))
-        p_WR = target if distance <= step else state.p_WR + offset * (step / distance)
-        # The reference must not run away from a tool that is held up.
-        p_WE = seen.X_WE.translation()
-        lead = np.full(3, self._lead)
-        if state.stage == Stage.PUSH:
-            lead[:] = _PUSH_LEAD
-            lead[:2] *= self._push_share(state, p_WE)
-        return np.asarray(p_WE + np.clip(p_WR - p_WE, -lead, lead))
-
-    def _push_share(self, state: PlanState, p_WE: Array) -> float:
-        """Share of the lead that is left where the tool has risen.
-
-        What the object answers a push with lifts the arm, and the finger's friction lifts the
-        object, which then tips over its far edge; a push that gives way lets both down again.
-        """
-        rise = float(p_WE[2]) - self._height(state)
-        return float(np.clip((_RISEN[1] - rise) / (_RISEN[1] - _RISEN[0]), 0.0, 1.0))
-
-    def _push_step(self, state: PlanState) -> float:
-        """How far a push's reference goes: little where it may touch, then more in every step.
-
-        The impact of a tool at full speed tips an object that stands on little, where the force of
-        the push that follows would not.
-        """
-        full = self._config.push_speed
-        slow = min(self._config.touch_speed, full)
-        gained = float(np.clip((state.touching - _TOUCH_STEPS) / _GAIN_STEPS, 0.0, 1.0))
-        speed = slow + gained * (full - slow) if state.touching else full
-        return speed * self._period
-
-    def _push_target(self, state: PlanState, seen: PushObservation) -> Array:
-        """One step ahead along d_W, steered towards the line through the contact."""
-        step = self._push_step(state)
-        left = left_of(seen.d_W)
-        error = float((state.p_WR - seen.p_WK) @ left)
-        steer = np.clip(-self._config.lateral_gain * error / 0.01, -1.0, 1.0)
-        heading = seen.d_W + steer * left
-        target = state.p_WR + step * heading / np.linalg.norm(heading)
-        p_WE = seen.X_WE.translation()
-        target[2] = p_WE[2] + self._climb(state, p_WE)
-        return np.asarray(target)
-
-    def _climb(self, state: PlanState, p_WE: Array) -> float:
-        """How much a pushing tool goes up, or down where it is below zero.
-
-        A tool that rises drags the object up with it and tips it, so it comes from above
-        and keeps pressing down, except beside the table, whose edge would be in its way.
-        """
-        height = self._height(state)
-        if np.any(np.abs(p_WE[:2]) > self._over_table):
-            return float(np.clip(height - p_WE[2], -_PRESS, _PRESS))
-        above = float(p_WE[2]) - (height - _SCRAPE)
-        return float(np.clip(-_PRESS / 2 * (1 + above / _PRESS_BAND), -_PRESS, _PRESS))
-
-    def _turn(self, state: PlanState, seen: PushObservation) -> RotationMatrix:
-        if state.stage == Stage.RETREAT or state.posture == UNDECIDED:
-            return state.R_WR
-        R_WG = self._wanted_rotation(state, seen)
-        R_WR = _turn_towards(state.R_WR, R_WG, self._config.turn_rate * self._period)
-        return _turn_towards(seen.X_WE.rotation(), R_WR, self._turn_lead)
-
-
-def _turn_towards(R_WA: RotationMatrix, R_WB: RotationMatrix, step: float) -> RotationMatrix:
-    """Returns A turned towards B by at most `step` rad."""
-    vector = rotation_vector(R_WA, R_WB)
-    angle = float(np.linalg.norm(vector))
-    if angle <= step:
-        return R_WB
-    turn = RotationMatrix(AngleAxis(step, vector / angle))
-    return cast(RotationMatrix, turn.multiply(R_WA))
