@@ -27,7 +27,8 @@ DOCS = Path(__file__).parent.parent / "docs"
 RECORDS = DOCS / "results" / "expert.parquet"
 _COLUMNS = ["object", "size_ratio", "seed", "episode", "success", "settled_success", "outcome",
             "steps", "redrawn", "com_capped"]  # fmt: skip
-_EVERYWHERE = ("tuned", "size_0.75", "size_1.25", "com_shift", "reset", "thesis")
+_EVERYWHERE = ("tuned", "size_0.75", "size_1.25", "com_shift", "com_shift_struck", "reset",
+               "thesis")  # fmt: skip
 _ONE_FIELD = "few"
 
 Episodes = list[dict[str, Any]]

@@ -14,7 +14,7 @@ from keypush.objects.library import parse_object_list
 from keypush.planning.presets import EXPERTS, expert_scenario
 from keypush.rollout.job import Job
 from keypush.rollout.parallel import run_job
-from keypush.scenario import Scenario
+from keypush.scenario import PlannerConfig, Scenario
 
 SEED = 4
 """Not that of the data set, nor of evaluations."""
@@ -57,6 +57,7 @@ def conditions() -> dict[str, Condition]:
         "pitch_deg": [45.0, 75.0],
         "tool_height": [0.01, 0.02, 0.03],
         "push_speed": [0.03, 0.1, 0.2],
+        "touch_speed": [0.01, 0.04, 0.065],
         "reaim": [False],
         "lateral_gain": [0.0, 2.0],
         "reapproach_error": [0.008, 0.2],
@@ -69,6 +70,10 @@ def conditions() -> dict[str, Condition]:
         "size_0.75": replace(_EVERYWHERE, size_ratio=0.75),
         "size_1.25": replace(_EVERYWHERE, size_ratio=1.25),
         "com_shift": replace(_EVERYWHERE, com_shift=0.015),
+        # Touches at the speed of the push.
+        "com_shift_struck": replace(
+            _EVERYWHERE, com_shift=0.015, planner=(("touch_speed", PlannerConfig().push_speed),)
+        ),
         "reset": replace(_EVERYWHERE, planner=(("reset_period", 20),)),
         "thesis": replace(_EVERYWHERE, expert="thesis"),
         # Against the first episodes of "tuned": the reference with small fixed steps.
