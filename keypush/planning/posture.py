@@ -1,12 +1,10 @@
 """Which way to hold the tool for a push: turned left or right, and how steeply."""
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.math import RigidTransform, RotationMatrix
 
 from keypush.control.arm_kinematics import ArmKinematics
@@ -24,15 +22,6 @@ _MARGIN = 0.02
 REACHED = 0.002
 """Error below which a pose counts as reached, m (and rad, which weigh a tenth)."""
 _TURN_WEIGHT = 0.1
-_WAY_STEP = 0.03
-"""Of a way that is followed, m."""
-_WAY_TURN = 0.06
-"""Turn in a step of it, rad."""
-_WAY_ITERATIONS, _END_ITERATIONS = 2, 20
-"""At every step of the way, and at its end."""
-
-InverseKinematics = Callable[[ArmKinematics, Array, RigidTransform], tuple[Array, float]]
-"""`solve_ik` or `follow_ik`."""
 
 
 @dataclass(frozen=True)
@@ -56,13 +45,13 @@ def choose_posture(
     heights: Sequence[float],
     wrist_yaw: float,
     sides: Sequence[int] = (1, -1),
-    *,
-    solve: InverseKinematics,
+    steps: Callable[[Posture], int | None] | None = None,
 ) -> tuple[Posture, float]:
     """Chooses the first pitch and height at which the arm reaches all, with the better side.
 
-    The better side is the one whose first waypoint is nearer in joint space. If the arm
-    reaches nothing altogether, it is the posture with the least error.
+    The better side is the one with fewer steps, or without `steps` the one whose first waypoint is
+    nearer in joint space. If the arm reaches nothing altogether, it is the posture with the least
+    error.
 
     Args:
         arm: kinematics.
@@ -73,7 +62,7 @@ def choose_posture(
         heights: heights over the first waypoint to come down from, likewise, m.
         wrist_yaw: see `tool_rotation`, rad.
         sides: those to choose from.
-        solve: how to find joint positions for a waypoint from those of the last one.
+        steps: tells how many steps a posture takes that the arm reaches; None where it gets stuck.
 
     Returns:
         The posture and what is left of its error, m (a tenth of it for rad); below `REACHED`
@@ -86,13 +75,14 @@ def choose_posture(
             reached = []
             for side in sides:
                 R_WE = tool_rotation(d_W, pitch, side, wrist_yaw)
-                X_WEs = [RigidTransform(R_WE, p_WE) for p_WE in (above, *waypoints)]
                 bound = max(least, REACHED)
-                error, travel = _try_waypoints(arm, q, X_WEs, bound, solve)
-                if error < REACHED:
-                    reached.append((travel, side, error))
+                error, travel = _try_waypoints(arm, q, [above, *waypoints], R_WE, bound)
+                posture = Posture(side, pitch, height)
+                way = steps(posture) if steps and error < REACHED else travel
+                if error < REACHED and way is not None:
+                    reached.append((way, side, error))
                 elif error < least:
-                    best, least = Posture(side, pitch, height), error
+                    best, least = posture, error
             if reached:
                 _, side, error = min(reached)
                 return Posture(side, pitch, height), error
@@ -100,19 +90,15 @@ def choose_posture(
 
 
 def _try_waypoints(
-    arm: ArmKinematics,
-    q: Array,
-    waypoints: Sequence[RigidTransform],
-    bound: float,
-    solve: InverseKinematics,
+    arm: ArmKinematics, q: Array, waypoints: list[Array], R_WE: RotationMatrix, bound: float
 ) -> tuple[float, float]:
     """Returns the worst error over the waypoints and the joint travel to the first one.
 
     It gives up at the first error that is not below `bound`.
     """
     worst, travel, start = 0.0, 0.0, q
-    for i, X_WE in enumerate(waypoints):
-        q, error = solve(arm, q, X_WE)
+    for i, p_WE in enumerate(waypoints):
+        q, error = solve_ik(arm, q, RigidTransform(R_WE, p_WE))
         worst = max(worst, error)
         if i == 0:
             travel = float(np.abs(q - start).max())
@@ -121,33 +107,7 @@ def _try_waypoints(
     return worst, travel
 
 
-def follow_ik(arm: ArmKinematics, q: Array, X_WE: RigidTransform) -> tuple[Array, float]:
-    """Solves inverse kinematics along a straight way on which the tool turns evenly.
-
-    The arm that goes this way ends at these joint positions; that there are others for the same
-    tool pose does not help it. A way that meets a joint's limit mostly keeps an error: steps are
-    cut off there, and no other joint makes up for them. That is wanted, since an arm that came to
-    its push with a joint at its limit often gets no further.
-
-    Returns:
-        As `solve_ik`.
-    """
-    X_WS = arm.tool_pose(q)
-    offset = X_WE.translation() - X_WS.translation()
-    turn = rotation_vector(X_WS.rotation(), X_WE.rotation())
-    angle = float(np.linalg.norm(turn))
-    axis = turn / angle if angle > 0.0 else np.array([0.0, 0.0, 1.0])
-    steps = max(1, math.ceil(max(float(np.linalg.norm(offset)) / _WAY_STEP, angle / _WAY_TURN)))
-    for share in np.arange(1, steps) / steps:
-        turned = RotationMatrix(AngleAxis(share * angle, axis)).multiply(X_WS.rotation())
-        X_WN = RigidTransform(turned, X_WS.translation() + share * offset)
-        q, _ = solve_ik(arm, q, X_WN, _WAY_ITERATIONS)
-    return solve_ik(arm, q, X_WE, _END_ITERATIONS)
-
-
-def solve_ik(
-    arm: ArmKinematics, q: Array, X_WE: RigidTransform, iterations: int = _ITERATIONS
-) -> tuple[Array, float]:
+def solve_ik(arm: ArmKinematics, q: Array, X_WE: RigidTransform) -> tuple[Array, float]:
     """Solves inverse kinematics from a start, by damped steps kept within the joint limits.
 
     Returns:
@@ -155,7 +115,7 @@ def solve_ik(
     """
     lower, upper = arm.limits.lower + _MARGIN, arm.limits.upper - _MARGIN
     error = np.inf
-    for _ in range(iterations):
+    for _ in range(_ITERATIONS):
         X_WNow = arm.tool_pose(q)
         offset = X_WE.translation() - X_WNow.translation()
         turn = rotation_vector(X_WNow.rotation(), X_WE.rotation())

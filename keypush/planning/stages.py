@@ -2,21 +2,16 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.control.differential_ik import undamped_action
+from keypush.control.joint_step import joint_step
 from keypush.planning.plan_state import PlanState, PushObservation, Stage
-from keypush.planning.posture import (
-    REACHED,
-    InverseKinematics,
-    Posture,
-    choose_posture,
-    follow_ik,
-    solve_ik,
-)
+from keypush.planning.posture import REACHED, Posture, choose_posture
 from keypush.planning.push_frame import left_of, rotation_vector
 from keypush.planning.tool_reference import ToolReference
 from keypush.scenario import ControlConfig, PlannerConfig, TableConfig
@@ -70,6 +65,10 @@ ahead of the fingers and touches tall objects first, so it is the last resort.""
 _MUCH_STEEPER = np.deg2rad(12.0)
 _STUCK = 60
 """Policy steps on the way to a push after which the tool rises and tries anew."""
+_REHEARSED = 110
+"""Policy steps after which a rehearsed way to a push is given up."""
+_FOLLOWED = 0.72
+"""Share of a joint step that the arm makes before the next one."""
 _LOWER = (1.0, 0.75, 0.5)
 """Shares of the approach height that are tried where the arm cannot reach higher."""
 
@@ -89,6 +88,7 @@ class PushStages:
         self._arm = arm
         self._config = config
         self._control = control
+        self._period = period
         self._reference = ToolReference(config, control, table, period)
         pitch = np.deg2rad(config.pitch_deg)
         self._wrist_yaw = float(np.deg2rad(config.wrist_yaw_deg))
@@ -117,7 +117,7 @@ class PushStages:
         where it can only be low above the start, limits of the joints are near.
         """
         usual = [p for p in self._pitches if p - self._pitches[0] < _MUCH_STEEPER]
-        return self._choose_posture(seen, usual, _LOWER[:1], solve=solve_ik)[1] < REACHED
+        return self._choose_posture(seen, usual, _LOWER[:1])[1] < REACHED
 
     def _choose_stage(self, state: PlanState, seen: PushObservation) -> PlanState:
         if seen.halted:
@@ -155,7 +155,7 @@ class PushStages:
         pitches: Sequence[float],
         lower: Sequence[float] = _LOWER,
         sides: Sequence[int] = (1, -1),
-        solve: InverseKinematics = follow_ik,
+        steps: Callable[[Posture], int | None] | None = None,
     ) -> tuple[Posture, float]:
         end = seen.p_WK + max(seen.distance, 0.0) * seen.d_W
         end[2] = self._config.tool_height
@@ -172,19 +172,39 @@ class PushStages:
             heights,
             self._wrist_yaw,
             sides,
-            solve=solve,
+            steps,
         )
 
     def _after_rise(self, state: PlanState, seen: PushObservation) -> PlanState:
         high = seen.X_WE.translation()[2] > self._config.approach_height - _HIGH_ENOUGH
         if high or state.steps > _RISE_STEPS:
-            posture, error = self._choose_posture(seen, self._pitches)
+            steps = partial(self._steps_to_push, state, seen)
+            posture, error = self._choose_posture(seen, self._pitches, steps=steps)
             if state.strikes:
                 sides = (-state.posture.side,)
-                other, its_error = self._choose_posture(seen, self._pitches, sides=sides)
+                other, its_error = self._choose_posture(
+                    seen, self._pitches, sides=sides, steps=steps
+                )
                 posture = other if its_error < max(error, REACHED) else posture
             return replace(self._enter(state, Stage.APPROACH), posture=posture)
         return state
+
+    def _steps_to_push(
+        self, state: PlanState, seen: PushObservation, posture: Posture
+    ) -> int | None:
+        """Rehearses the way to a push; None where the arm gets stuck.
+
+        That it reaches the poses on the way does not say so: joints come to their limits between.
+        """
+        state, q = replace(self._enter(state, Stage.APPROACH), posture=posture), seen.q
+        for step in range(_REHEARSED):
+            now = replace(seen, q=q, X_WE=self._arm.tool_pose(q))
+            state = self.advance(state, now)
+            if state.stage in (Stage.PUSH, Stage.RISE):
+                return step if state.stage == Stage.PUSH else None
+            action = self.action(state, now)
+            q = q + _FOLLOWED * joint_step(self._arm, q, action, self._control, self._period)
+        return None
 
     def _after_approach(self, state: PlanState, seen: PushObservation) -> PlanState:
         off = seen.X_WE.translation() - self._reference.above(state, seen)

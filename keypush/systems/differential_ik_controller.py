@@ -10,7 +10,7 @@ from pydrake.systems.framework import (
 )
 
 from keypush.control.arm_kinematics import ArmKinematics
-from keypush.control.differential_ik import solve_differential_ik
+from keypush.control.joint_step import joint_step
 from keypush.eval_ports import eval_vector
 from keypush.robot.panda import NUM_JOINTS
 from keypush.scenario import ControlConfig
@@ -49,7 +49,6 @@ class DifferentialIkController(LeafSystem):
         self._arm = arm
         self._config = config
         self._period = policy_period
-        self._clip = np.repeat([config.max_translation, config.max_rotation], 3)
         self._action = self.DeclareVectorInputPort("tool_action", 6)
         self._state = self.DeclareVectorInputPort("arm_state", 2 * NUM_JOINTS)
         target = self.DeclareDiscreteState(NUM_JOINTS)
@@ -68,12 +67,8 @@ class DifferentialIkController(LeafSystem):
 
     def _update(self, context: Context, state: DiscreteValues) -> EventStatus:
         q = eval_vector(self._state, context)[:NUM_JOINTS]
-        action = np.clip(eval_vector(self._action, context), -self._clip, self._clip)
-        lower, upper = self._arm.limits.step_bounds(q, self._period)
-        dq = solve_differential_ik(
-            self._arm.jacobian(q), action, self._config.damping, lower, upper
-        )
-        state.set_value(0, q + dq)
+        action = eval_vector(self._action, context)
+        state.set_value(0, q + joint_step(self._arm, q, action, self._config, self._period))
         return EventStatus.Succeeded()
 
     def _calc_desired_state(self, context: Context, output: BasicVector) -> None:

@@ -6,14 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydrake.math import RigidTransform
 
-from keypush.control.differential_ik import solve_differential_ik
-from keypush.planning.posture import (
-    REACHED,
-    InverseKinematics,
-    choose_posture,
-    follow_ik,
-    solve_ik,
-)
+from keypush.planning.posture import REACHED, choose_posture, solve_ik
 from keypush.planning.push_frame import rotation_vector, tool_rotation
 from keypush.scenario import PlannerConfig, RobotConfig
 from tests.control.arm import ARM, LIMITS, READY, Array, vectors
@@ -53,18 +46,13 @@ def test_a_pose_out_of_reach_keeps_its_error_and_the_limits() -> None:
     assert np.all((found > LIMITS.lower) & (found < LIMITS.upper))
 
 
-@pytest.mark.parametrize("solve", [solve_ik, follow_ik])
 @settings(max_examples=30)
 @given(st.floats(-np.pi, np.pi), vectors(2, -0.1, 0.1))
-def test_a_push_on_the_table_has_a_posture_that_the_arm_reaches(
-    solve: InverseKinematics, angle: float, xy: Array
-) -> None:
+def test_a_push_on_the_table_has_a_posture_that_the_arm_reaches(angle: float, xy: Array) -> None:
     d_W = np.array([np.cos(angle), np.sin(angle), 0.0])
     start = np.array([*xy, PLANNER.tool_height])
     waypoints = [start, start + 0.05 * d_W]
-    posture, error = choose_posture(
-        ARM, READY, d_W, waypoints, [PITCH, PITCH + 0.1], HEIGHTS, YAW, solve=solve
-    )
+    posture, error = choose_posture(ARM, READY, d_W, waypoints, [PITCH, PITCH + 0.1], HEIGHTS, YAW)
     assert error < REACHED
     assert posture.side in (1, -1)
     assert posture.pitch in (PITCH, PITCH + 0.1)
@@ -72,18 +60,15 @@ def test_a_push_on_the_table_has_a_posture_that_the_arm_reaches(
     R_WE = tool_rotation(d_W, posture.pitch, posture.side)
     q = READY
     for p_WE in ([*xy, posture.height], *waypoints):
-        q, error = solve(ARM, q, RigidTransform(R_WE, np.array(p_WE)))
+        q, error = solve_ik(ARM, q, RigidTransform(R_WE, np.array(p_WE)))
         assert error < 0.01
 
 
-@pytest.mark.parametrize("solve", [solve_ik, follow_ik])
-def test_the_preferred_posture_is_taken_where_it_can_be(solve: InverseKinematics) -> None:
+def test_the_preferred_posture_is_taken_where_it_can_be() -> None:
     d_W = np.array([1.0, 0.0, 0.0])
     start = np.array([0.0, 0.0, PLANNER.tool_height])
     waypoints = [start, start + 0.05 * d_W]
-    posture, error = choose_posture(
-        ARM, READY, d_W, waypoints, [PITCH, PITCH + 0.1], HEIGHTS, YAW, solve=solve
-    )
+    posture, error = choose_posture(ARM, READY, d_W, waypoints, [PITCH, PITCH + 0.1], HEIGHTS, YAW)
     assert error < REACHED
     assert (posture.pitch, posture.height) == (PITCH, HEIGHTS[0])
 
@@ -100,59 +85,18 @@ def test_the_side_with_the_shorter_way_is_taken(wrist: float, nearer: int) -> No
         there, error = solve_ik(ARM, q, RigidTransform(tool_rotation(d_W, PITCH, side), above))
         assert error < 0.005
         ways[side] = float(np.abs(there - q).max())
-    waypoints = [start, start + 0.05 * d_W]
     posture, error = choose_posture(
-        ARM, q, d_W, waypoints, [PITCH], HEIGHTS[:1], YAW, solve=solve_ik
+        ARM, q, d_W, [start, start + 0.05 * d_W], [PITCH], HEIGHTS[:1], YAW
     )
     assert error < REACHED
     assert ways[nearer] < ways[-nearer]
     assert posture.side == nearer
 
 
-@pytest.mark.parametrize("solve", [solve_ik, follow_ik])
-def test_out_of_reach_the_least_bad_posture_is_taken(solve: InverseKinematics) -> None:
+def test_out_of_reach_the_least_bad_posture_is_taken() -> None:
     d_W = np.array([1.0, 0.0, 0.0])
     far = np.array([3.0, 0.0, PLANNER.tool_height])
-    posture, error = choose_posture(
-        ARM, READY, d_W, [far, far + d_W], [PITCH], HEIGHTS[:1], YAW, solve=solve
-    )
+    posture, error = choose_posture(ARM, READY, d_W, [far, far + d_W], [PITCH], HEIGHTS[:1], YAW)
     assert error > 1.0
     assert posture.side in (1, -1)
     assert posture.pitch == PITCH
-
-
-def _go(q: Array, X_WE: RigidTransform) -> Array:
-    """Goes to a pose as the controller does: by small residuals, within the joints' limits."""
-    lower, upper = LIMITS.lower, LIMITS.upper
-    for _ in range(400):
-        X_WNow = ARM.tool_pose(q)
-        offset = X_WE.translation() - X_WNow.translation()
-        turn = rotation_vector(X_WNow.rotation(), X_WE.rotation())
-        steps = max(np.linalg.norm(offset) / 0.01, np.linalg.norm(turn) / 0.02, 1.0)
-        a = np.concatenate([offset, turn]) / steps
-        q = q + solve_differential_ik(ARM.jacobian(q), a, 1e-4, lower - q, upper - q)
-    return q
-
-
-def test_a_way_ends_where_the_arm_that_goes_it_ends() -> None:
-    rng = np.random.default_rng(1)
-    compared = 0
-    for q, goal in rng.uniform(LOW, HIGH, size=(40, 2, 7)):
-        X_WE = ARM.tool_pose(goal)
-        followed, error = follow_ik(ARM, q, X_WE)
-        assert np.all((followed > LIMITS.lower) & (followed < LIMITS.upper))
-        if error < REACHED:
-            compared += 1
-            np.testing.assert_allclose(followed, _go(q, X_WE), atol=0.1)
-    assert compared >= 25
-
-
-def test_a_way_that_ends_at_a_limit_keeps_an_error() -> None:
-    q = np.array([0.27, -0.14, -0.16, -1.72, 0.21, 2.40, 1.04])
-    d_W = np.array([np.cos(-1.959), np.sin(-1.959), 0.0])
-    X_WE = RigidTransform(tool_rotation(d_W, PITCH, -1, YAW), np.array([-0.123, -0.05, 0.18]))
-    _, solved = solve_ik(ARM, q, X_WE)
-    followed, left = follow_ik(ARM, q, X_WE)
-    assert solved < REACHED
-    assert followed[6] > LIMITS.upper[6] - 0.03
-    assert left > 5 * REACHED
