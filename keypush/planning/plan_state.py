@@ -29,25 +29,25 @@ UNDECIDED = Posture(0, 0.0, 0.0)
 """Stands for a posture that is not chosen yet."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PlanState:
     """What a planner remembers between policy steps."""
 
     stage: Stage
-    steps: int
+    steps: int = 0
     """Policy steps spent in the stage."""
-    strikes: int
+    strikes: int = 0
     """Consecutive steps of a push with too large a lateral error, or of settling in place; of
     a tool that rises because it was stuck, 1."""
-    jammed: int
+    jammed: int = 0
     """Consecutive steps of a push in which the tool is held too high to push."""
-    stalled: int
+    stalled: int = 0
     """Steps since a push last came nearer to its end."""
-    waiting: int
+    waiting: int = 0
     """Steps that a push still gives way to an object that tilts."""
-    waits: int
+    waits: int = 0
     """How often the pushes of this episode gave way."""
-    touching: int
+    touching: int = 0
     """Steps of a push since the tool came near the contact, or last gave way; 0 before."""
     posture: Posture
     """How the tool is held."""
@@ -57,9 +57,9 @@ class PlanState:
     """(3,) position of the reference."""
     p_WT: Array
     """(3,) where a retreat goes."""
-    nearest: float
+    nearest: float = np.inf
     """The least distance that was left in this push, m."""
-    tilt: float
+    tilt: float = 0.0
     """Of the object in the last step, rad."""
 
     SIZE = 23
@@ -99,19 +99,10 @@ class PlanState:
         p_WE = X_WE.translation()
         return PlanState(
             stage=Stage.RISE,
-            steps=0,
-            strikes=0,
-            jammed=0,
-            stalled=0,
-            waiting=0,
-            waits=0,
-            touching=0,
             posture=UNDECIDED,
             R_WR=X_WE.rotation(),
             p_WR=p_WE,
             p_WT=p_WE,
-            nearest=np.inf,
-            tilt=0.0,
         )
 
 

@@ -110,8 +110,8 @@ class ToolReference:
             target = seen.X_WE.translation() - _GIVE_WAY * seen.d_W
             step = free
         elif state.stage == Stage.PUSH:
-            target = self._push_target(state, seen)
             step = self._push_step(state)
+            target = self._push_target(state, seen, step)
         elif state.stage == Stage.RISE:
             target = state.p_WR + np.array([0.0, 0.0, free])
             step = free
@@ -159,9 +159,8 @@ class ToolReference:
         speed = slow + gained * (full - slow) if state.touching else full
         return speed * self._period
 
-    def _push_target(self, state: PlanState, seen: PushObservation) -> Array:
+    def _push_target(self, state: PlanState, seen: PushObservation, step: float) -> Array:
         """One step ahead along d_W, steered towards the line through the contact."""
-        step = self._push_step(state)
         left = left_of(seen.d_W)
         error = float((state.p_WR - seen.p_WK) @ left)
         steer = np.clip(-self._config.lateral_gain * error / 0.01, -1.0, 1.0)

@@ -61,7 +61,7 @@ def test_every_policy_runs_and_repeats_bit_for_bit(policy: str, tmp_path: Path) 
 
 @pytest.mark.parametrize("policy", ["geometric", "surface_no_com"])
 def test_a_fast_planner_pushes_faster(policy: str, tmp_path: Path) -> None:
-    """2 cm a policy step in place of 6.5 mm, at the same place."""
+    """2 cm a policy step in place of 6.5 mm, once the slow touch is over: in its fastest tenth."""
     advanced = []
     for speed in (0.065, 0.2):
         scenario = _scenario(policy, tmp_path, f"{{push_speed: {speed}}}")
@@ -70,5 +70,6 @@ def test_a_fast_planner_pushes_faster(policy: str, tmp_path: Path) -> None:
         pushing = np.flatnonzero(rows["stage"] == Stage.PUSH)
         assert len(pushing) > 6
         steps = np.diff(rows["tool_pose"][:, 4:6], axis=0)
-        advanced.append(np.median(np.linalg.norm(steps[pushing[2:6]], axis=1)))
-    assert advanced[1] > 1.2 * advanced[0]  # both touch slowly
+        pushing = pushing[pushing < len(steps)]
+        advanced.append(np.quantile(np.linalg.norm(steps[pushing], axis=1), 0.9))
+    assert advanced[1] > 1.5 * advanced[0]
