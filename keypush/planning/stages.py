@@ -177,17 +177,20 @@ class PushStages:
 
     def _after_rise(self, state: PlanState, seen: PushObservation) -> PlanState:
         high = seen.X_WE.translation()[2] > self._config.approach_height - _HIGH_ENOUGH
-        if high or state.steps > _RISE_STEPS:
-            steps = partial(self._steps_to_push, state, seen)
-            posture, error = self._choose_posture(seen, self._pitches, steps=steps)
-            if state.strikes:
-                sides = (-state.posture.side,)
-                other, its_error = self._choose_posture(
-                    seen, self._pitches, sides=sides, steps=steps
-                )
-                posture = other if its_error < max(error, REACHED) else posture
-            return replace(self._enter(state, Stage.APPROACH), posture=posture)
-        return state
+        if not high and state.steps <= _RISE_STEPS:
+            return state
+        posture = self._rehearsed_posture(state, seen)
+        return replace(self._enter(state, Stage.APPROACH), posture=posture)
+
+    def _rehearsed_posture(self, state: PlanState, seen: PushObservation) -> Posture:
+        """From the other side after a barred way, where the arm reaches all from there."""
+        steps = partial(self._steps_to_push, state, seen)
+        if state.strikes:
+            sides = (-state.posture.side,)
+            posture, error = self._choose_posture(seen, self._pitches, sides=sides, steps=steps)
+            if error < REACHED:
+                return posture
+        return self._choose_posture(seen, self._pitches, steps=steps)[0]
 
     def _steps_to_push(
         self, state: PlanState, seen: PushObservation, posture: Posture
