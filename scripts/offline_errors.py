@@ -23,7 +23,7 @@ from keypush.errors import UserError
 from keypush.learning.model import KeypointModel
 from keypush.learning.policy_model import policy_model
 from keypush.objects.catalogue import catalogue
-from keypush.policies import POLICIES, SHIPPED
+from keypush.policies import POLICIES, SHIPPED, find_policy
 from keypush.scenario import load_scenario
 
 _EVERY = 4
@@ -44,7 +44,7 @@ def models(names: list[str]) -> dict[str, KeypointModel]:
         except UserError as error:
             print(error)
             continue
-        if model is not None and not POLICIES[name].acts:
+        if model is not None and not find_policy(name).acts:
             found[name] = model
     return found
 

@@ -1,12 +1,13 @@
 """Convex pieces of any object, for engines that collide nothing else."""
 
 import functools
+from typing import Any
 
-import coacd
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from keypush.bench.development_package import import_development
 from keypush.objects.model import ObjectModel
 
 Array = NDArray[np.float64]
@@ -30,15 +31,20 @@ def convex_pieces(model: ObjectModel) -> list[Array]:
 
     Returns:
         Corners (n, 3) in O of every piece.
+
+    Raises:
+        UserError: CoACD is not installed.
     """
+    coacd = import_development("coacd")
     hull = ConvexHull(model.vertices)
     if model.mesh.volume >= _CONVEX * hull.volume:
         return [model.vertices[hull.vertices]]
-    return [piece.copy() for piece in _cut(model.vertices.tobytes(), model.faces.tobytes())]
+    pieces = _cut(coacd, model.vertices.tobytes(), model.faces.tobytes())
+    return [piece.copy() for piece in pieces]
 
 
 @functools.cache
-def _cut(vertices: bytes, faces: bytes) -> list[Array]:
+def _cut(coacd: Any, vertices: bytes, faces: bytes) -> list[Array]:
     """Cuts a mesh of vertices (v, 3), float64, and faces (f, 3), int64, given as bytes."""
     coacd.set_log_level("error")
     mesh = coacd.Mesh(

@@ -16,7 +16,8 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
-from keypush.bench.mujoco_scene import OBJECT, TIME_STEP, TOOL, import_mujoco
+from keypush.bench.development_package import import_development
+from keypush.bench.mujoco_scene import OBJECT, TIME_STEP, TOOL
 from keypush.eval_ports import eval_vector
 from keypush.robot.panda import NUM_JOINTS
 from keypush.rollout.start import EpisodeStart
@@ -59,7 +60,7 @@ class MujocoPlant(LeafSystem):
         """Args: `MjModel`, the object's COM in O (3,), k_p in Nm/rad, policy period in s."""
         super().__init__()
         self.set_name("plant")
-        self._mj = import_mujoco()
+        self._mj = import_development("mujoco")
         self._model = model
         self._data = self._mj.MjData(model)
         self._p_OoOcm_O = p_OoOcm_O

@@ -29,7 +29,7 @@ class MujocoEpisodeRunner:
         """Builds scene and diagram; the scenario's policy must be the expert.
 
         Raises:
-            UserError: MuJoCo is not installed, or the scenario varies the object.
+            UserError: MuJoCo or CoACD is not installed, or the scenario varies the object.
         """
         assert scenario.policy == "expert"
         if scenario.variation != VariationConfig():

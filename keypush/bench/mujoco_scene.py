@@ -1,6 +1,5 @@
 """The station's scene as a MuJoCo model, built from the same description and scenario."""
 
-import importlib
 import xml.etree.ElementTree as ET
 from typing import Any
 
@@ -8,7 +7,7 @@ import numpy as np
 from pydrake.math import RollPitchYaw
 
 from keypush.bench.convex_pieces import convex_pieces
-from keypush.errors import UserError
+from keypush.bench.development_package import import_development
 from keypush.objects.model import ObjectModel
 from keypush.objects.table import FLOOR, THICKNESS
 from keypush.robot.description import joint_gains, panda_urdf
@@ -21,22 +20,6 @@ TOOL = "panda_tool"
 _CAPSULE = "{http://drake.mit.edu}capsule"
 
 
-def import_mujoco() -> Any:
-    """Imports MuJoCo, which is a development dependency.
-
-    Raises:
-        UserError: it is not installed.
-    """
-    try:
-        mujoco = importlib.import_module("mujoco")
-    except ImportError as error:
-        raise UserError(
-            "the benchmark needs the package mujoco, which is not installed; "
-            "run it in a checkout (`uv run keypush bench sim`) or install mujoco>=3.2"
-        ) from error
-    return mujoco
-
-
 def make_mujoco_model(scenario: Scenario, model: ObjectModel) -> Any:
     """Builds the `MjModel` of arm, table, floor and object.
 
@@ -46,9 +29,9 @@ def make_mujoco_model(scenario: Scenario, model: ObjectModel) -> Any:
     The integrator is implicitfast; all else is as MuJoCo has it.
 
     Raises:
-        UserError: MuJoCo is not installed.
+        UserError: MuJoCo or CoACD is not installed.
     """
-    mj = import_mujoco()
+    mj = import_development("mujoco")
     spec = mj.MjSpec()
     spec.compiler.degree = False
     spec.option.timestep = TIME_STEP

@@ -68,7 +68,7 @@ def _closed(model: ObjectModel) -> Check:
     mesh = model.mesh
     ok = bool(mesh.is_watertight and mesh.is_winding_consistent)
     open_edges = len(mesh.edges_unique) * 2 - len(mesh.edges)
-    return Check(ok, float(open_edges), 0.0, f"{len(mesh.faces)} faces, closed")
+    return Check(ok, float(open_edges), 0.0, f"open edges of {len(mesh.faces)} faces")
 
 
 def _volume(model: ObjectModel) -> Check:

@@ -90,5 +90,5 @@ def _final_metrics(
 
 def _digest(scenes: SceneTable) -> str:
     """A hash of what is trained on."""
-    columns = (scenes.object_index, scenes.p_CO, scenes.R_CO, scenes.goal, scenes.label)
+    columns = (getattr(scenes, column.name) for column in dataclasses.fields(scenes))
     return digest_of(column.numpy() for column in columns)

@@ -51,7 +51,7 @@ def choose_posture(
 
     The better side is the one with fewer steps, or without `steps` the one whose first waypoint is
     nearer in joint space. If the arm reaches nothing altogether, it is the posture with the least
-    error.
+    error; one in which it gets stuck counts as just out of reach.
 
     Args:
         arm: kinematics.
@@ -66,7 +66,7 @@ def choose_posture(
 
     Returns:
         The posture and what is left of its error, m (a tenth of it for rad); below `REACHED`
-        where the arm reaches all.
+        where the arm reaches all and gets there.
     """
     best, least = Posture(sides[0], pitches[0], heights[0]), np.inf
     for pitch in pitches:
@@ -78,7 +78,10 @@ def choose_posture(
                 bound = max(least, REACHED)
                 error, travel = _try_waypoints(arm, q, [above, *waypoints], R_WE, bound)
                 posture = Posture(side, pitch, height)
-                way = steps(posture) if steps and error < REACHED else travel
+                way: float | None = travel
+                if steps and error < REACHED:
+                    way = steps(posture)
+                    error = REACHED if way is None else error
                 if error < REACHED and way is not None:
                     reached.append((way, side, error))
                 elif error < least:

@@ -67,7 +67,6 @@ class Part:
         return records.set_column(place, records.schema.field(place), names)
 
     def _evaluate(self, workers: int, engine: EngineName) -> None:
-        self.folder.mkdir(parents=True, exist_ok=True)
         with timed(self.job, self.folder, workers):
             run_conditions([self.job], self.folder, workers=workers, engine=engine)
         collect_records([self.job], self.folder)

@@ -12,14 +12,15 @@ from scipy.spatial import ConvexHull, Delaunay
 
 from diagrams.station import MakePushStation
 from keypush.bench.convex_pieces import convex_pieces
-from keypush.bench.mujoco_scene import OBJECT, TOOL, import_mujoco, make_mujoco_model
+from keypush.bench.development_package import import_development
+from keypush.bench.mujoco_scene import OBJECT, TOOL, make_mujoco_model
 from keypush.control.arm_kinematics import ArmKinematics
 from keypush.objects.library import make_object
 from keypush.objects.model import ObjectModel
 from keypush.scenario import ObjectConfig, Scenario
 from tests.objects.every_object import FEW_OBJECTS
 
-mujoco: Any = import_mujoco()
+mujoco: Any = import_development("mujoco")
 
 
 @FEW_OBJECTS

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydrake.math import RigidTransform
 
-from keypush.planning.posture import REACHED, choose_posture, solve_ik
+from keypush.planning.posture import REACHED, Posture, choose_posture, solve_ik
 from keypush.planning.push_frame import rotation_vector, tool_rotation
 from keypush.scenario import PlannerConfig, RobotConfig
 from tests.control.arm import ARM, LIMITS, READY, Array, vectors
@@ -100,3 +100,43 @@ def test_out_of_reach_the_least_bad_posture_is_taken() -> None:
     assert error > 1.0
     assert posture.side in (1, -1)
     assert posture.pitch == PITCH
+
+
+LEFT = np.array([0.0, 1.0, 0.0])
+"""A push which the arm reaches with either side."""
+START = np.array([0.0, 0.0, PLANNER.tool_height])
+PUSH = [START, START + 0.05 * LEFT]
+
+
+@pytest.mark.parametrize("free", [1, -1])
+def test_a_side_on_which_the_arm_gets_stuck_is_not_taken(free: int) -> None:
+    def steps(posture: Posture) -> int | None:
+        return 20 if posture.side == free else None
+
+    posture, error = choose_posture(
+        ARM, READY, LEFT, PUSH, [PITCH, PITCH + 0.1], HEIGHTS, YAW, steps=steps
+    )
+    assert error < REACHED
+    assert posture == Posture(free, PITCH, HEIGHTS[0])
+    only, error = choose_posture(
+        ARM, READY, LEFT, PUSH, [PITCH], HEIGHTS, YAW, sides=(-free,), steps=steps
+    )
+    assert error == REACHED
+    assert only.side == -free
+
+
+def test_where_the_arm_gets_stuck_in_all_it_is_the_preferred_one() -> None:
+    posture, error = choose_posture(
+        ARM, READY, LEFT, PUSH, [PITCH, PITCH + 0.1], HEIGHTS, YAW, steps=lambda _: None
+    )
+    assert error == REACHED
+    assert posture == Posture(1, PITCH, HEIGHTS[0])
+
+
+def test_of_two_sides_the_one_with_fewer_steps_is_taken() -> None:
+    for quick in (1, -1):
+        posture, _ = choose_posture(
+            ARM, READY, LEFT, PUSH, [PITCH], HEIGHTS, YAW,
+            steps=lambda posture, quick=quick: 30 - 10 * (posture.side == quick),
+        )  # fmt: skip
+        assert posture.side == quick
