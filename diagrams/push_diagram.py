@@ -37,20 +37,14 @@ class PushPolicy:
     planner: Driver
     monitor: EpisodeMonitor
     log: VectorLogSink
-    predictor: KeypointPredictor | None
 
 
 @dataclass(frozen=True)
-class PushDiagram:
+class PushDiagram(PushPolicy):
     """A whole episode's diagram; one per object, reset between episodes."""
 
     diagram: Diagram
     station: PushStation
-    goal: ConstantVectorSource
-    planner: Driver
-    monitor: EpisodeMonitor
-    log: VectorLogSink
-    predictor: KeypointPredictor | None
     visualizer: MeshcatVisualizer | None
 
 
@@ -76,16 +70,7 @@ def MakePushDiagram(
     visualizer = add_visualizer(builder, station.diagram, scenario, meshcat)
     diagram = builder.Build()
     diagram.set_name("push")
-    return PushDiagram(
-        diagram,
-        station,
-        policy.goal,
-        policy.planner,
-        policy.monitor,
-        policy.log,
-        policy.predictor,
-        visualizer,
-    )
+    return PushDiagram(**vars(policy), diagram=diagram, station=station, visualizer=visualizer)
 
 
 def add_policy(
@@ -106,7 +91,6 @@ def add_policy(
     """
     goal, monitor = add_goal_and_monitor(builder, station, model, scenario)
     planner: Driver
-    predictor = None
     if scenario.policy == "expert":
         planner = _add_expert(builder, station, model, goal, scenario)
     else:
@@ -114,13 +98,11 @@ def add_policy(
         if find_policy(scenario.policy).acts:
             planner = _add_behavior_cloning(builder, station, goal, scenario, policy_model)
         else:
-            predictor, planner = _add_keypoint_policy(
-                builder, station, goal, scenario, policy_model
-            )
+            planner = _add_keypoint_policy(builder, station, goal, scenario, policy_model)
     connect(builder, monitor, planner, ["halted"])
     connect(builder, planner, station, ["tool_action"])
     log = _add_logger(builder, station, goal, planner, scenario.episode.policy_period)
-    return PushPolicy(goal, planner, monitor, log, predictor)
+    return PushPolicy(goal, planner, monitor, log)
 
 
 def _add_expert(
@@ -151,14 +133,14 @@ def _add_keypoint_policy(
     goal: ConstantVectorSource,
     scenario: Scenario,
     model: KeypointModel,
-) -> tuple[KeypointPredictor, PushPlanner]:
+) -> PushPlanner:
     period = scenario.episode.policy_period
     predictor = KeypointPredictor(model, scenario.noise.cloud_points, period)
     builder.AddSystem(predictor)
     _connect_scene(builder, station, goal, predictor, model)
     planner = add_push_planner(builder, station, goal, scenario)
     connect(builder, predictor, planner, ["keypoint"])
-    return predictor, planner
+    return planner
 
 
 def _add_behavior_cloning(

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.math import RigidTransform
-from pydrake.multibody.math import SpatialForce, SpatialVelocity
+from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import (
     AddMultibodyPlant,
     ExternallyAppliedSpatialForce,
@@ -19,10 +19,6 @@ from keypush.objects.plant import add_object
 from keypush.objects.table import add_table
 from keypush.rollout.simulation import simulator_config
 from keypush.scenario import ObjectConfig, SimulationConfig, TableConfig
-
-GRAVITY = 9.81
-FRICTION = 2 * 0.7 * 0.4 / (0.7 + 0.4)
-"""What Drake makes of the object's 0.7 and the table's 0.4."""
 
 
 class ObjectScene:
@@ -46,10 +42,10 @@ class ObjectScene:
         self.simulator = Simulator(builder.Build())
         ApplySimulatorConfig(simulator_config(simulation), self.simulator)
         self._root = self.simulator.get_mutable_context()
-        self._context = self.plant.GetMyMutableContextFromRoot(self._root)
+        self.context = self.plant.GetMyMutableContextFromRoot(self._root)
         self.push(np.zeros(3), np.zeros(3))
         start = RigidTransform(np.array([0.0, 0.0, model.rest_height + height]))
-        self.plant.SetFreeBodyPose(self._context, self.body, start)
+        self.plant.SetFreeBodyPose(self.context, self.body, start)
         self.simulator.Initialize()
 
     def push(self, p_OoQ_O: NDArray[np.float64], f_W: NDArray[np.float64]) -> None:
@@ -59,12 +55,6 @@ class ObjectScene:
         force.p_BoBq_B = p_OoQ_O
         force.F_Bq_W = SpatialForce(np.zeros(3), f_W)
         self.simulator.get_system().get_input_port(0).FixValue(self._root, [force])
-
-    def throw(self, v_WO: NDArray[np.float64]) -> None:
-        """Gives the object a velocity without spin."""
-        velocity = SpatialVelocity(np.zeros(3), v_WO)
-        self.plant.SetFreeBodySpatialVelocity(self._context, self.body, velocity)
-        self.simulator.Initialize()
 
     def advance(self, duration: float, stop_at_tilt: float = np.inf) -> float:
         """Simulates in policy steps; returns the largest tilt seen between them, rad."""
@@ -81,13 +71,8 @@ class ObjectScene:
 
     def pose(self) -> RigidTransform:
         """X_WO."""
-        pose: RigidTransform = self.plant.EvalBodyPoseInWorld(self._context, self.body)
+        pose: RigidTransform = self.plant.EvalBodyPoseInWorld(self.context, self.body)
         return pose
-
-    def velocity(self) -> NDArray[np.float64]:
-        """v_WO."""
-        V_WO = self.plant.EvalBodySpatialVelocityInWorld(self._context, self.body)
-        return np.asarray(V_WO.translational())
 
 
 def with_com(model: ObjectModel, xy: NDArray[np.float64]) -> ObjectModel:

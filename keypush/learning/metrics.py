@@ -37,7 +37,7 @@ def evaluate(
     with torch.inference_mode():
         for index in torch.split(chosen, config.batch):
             batch = with_clouds(scenes.take(index), bank, generator)
-            scene, label, _ = to_network(batch, use_com=config.network.use_com)
+            scene, label = to_network(batch, use_com=config.network.use_com)
             on_device = NetworkInput(**{k: v.to(device) for k, v in vars(scene).items()})
             errors.append(LENGTH * (network(on_device).cpu() - label))
             centroid.append(LENGTH * (scene.cloud.mean(dim=1) - label)[:, :2].norm(dim=1))

@@ -151,13 +151,11 @@ def _augmented_hand(batch: SceneBatch, side: torch.Tensor, label: torch.Tensor) 
     return hand
 
 
-def to_network(
-    batch: SceneBatch, *, use_com: bool
-) -> tuple[NetworkInput, torch.Tensor, GoalFrames]:
+def to_network(batch: SceneBatch, *, use_com: bool) -> tuple[NetworkInput, torch.Tensor]:
     """Expresses scenes in the goal frame G.
 
     Returns:
-        The network's input, labels p_GK (B, 3), and the frames G in C.
+        The network's input, and labels p_GK (B, 3).
     """
     frames = GoalFrames.of(batch.com if use_com else batch.cloud.mean(dim=1), batch.goal)
     goal, com, label = frames.to_goal(
@@ -171,4 +169,4 @@ def to_network(
         com=com,
         hand=frames.hands_to_goal(batch.hand),
     )
-    return scene, label, frames
+    return scene, label

@@ -87,5 +87,5 @@ class _AugmentedBatches:
             batch = with_clouds(self._scenes.take(index), self._bank, generator)
             if self._config.augment:
                 batch = augment(batch, generator)
-            scene, label, _ = to_network(batch, use_com=self._config.network.use_com)
+            scene, label = to_network(batch, use_com=self._config.network.use_com)
             yield tuple(vars(scene).values()), label

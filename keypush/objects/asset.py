@@ -55,8 +55,8 @@ class ObjectAsset:
     """Where it comes from and what was done to it."""
 
     @cached_property
-    def surface_samples(self) -> tuple[Array, Array]:
-        """Points (`SURFACE_POINTS`, 3) drawn uniformly by area, and their outward normals."""
+    def surface_samples(self) -> Array:
+        """Points (`SURFACE_POINTS`, 3) drawn uniformly by area."""
         rng = make_generator(0, 0, f"surface:{self.name}")
         triangles = np.asarray(self.visual.vertices)[np.asarray(self.visual.faces)]
         area = np.asarray(self.visual.area_faces)
@@ -64,8 +64,7 @@ class ObjectAsset:
         # Source: Osada et al., "Shape Distributions", 2002, eq. (1).
         root, share = np.sqrt(rng.random(SURFACE_POINTS)), rng.random(SURFACE_POINTS)
         weights = np.column_stack([1 - root, root * (1 - share), root * share])
-        points = np.einsum("nk,nkd->nd", weights, triangles[chosen])
-        return points, np.asarray(self.visual.face_normals)[chosen]
+        return np.asarray(np.einsum("nk,nkd->nd", weights, triangles[chosen]))
 
 
 def write_asset(asset: ObjectAsset, folder: Path) -> None:

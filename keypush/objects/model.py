@@ -29,8 +29,6 @@ class ObjectModel:
     """Mesh in O that is seen; likewise."""
     p_OP: NDArray[np.float64]
     """Points drawn uniformly by area over the whole of `visual`, (`SURFACE_POINTS`, 3)."""
-    normals_O: NDArray[np.float64]
-    """Outward unit normals there, (`SURFACE_POINTS`, 3)."""
     mass: float
     """kg."""
     p_OoOcm_O: NDArray[np.float64]
@@ -94,14 +92,12 @@ def scaled_model(asset: ObjectAsset, size_ratio: float, mass: float | None = Non
         mass: kg; None: the asset's own.
     """
     mass = asset.mass if mass is None else mass
-    points, normals = asset.surface_samples
     return ObjectModel(
         name=asset.name,
         size_ratio=size_ratio,
         mesh=_scaled(asset.collision, size_ratio),
         visual=_scaled(asset.visual, size_ratio),
-        p_OP=points * size_ratio,
-        normals_O=normals,
+        p_OP=asset.surface_samples * size_ratio,
         mass=mass,
         p_OoOcm_O=asset.p_OoOcm_O * size_ratio,
         I_OOcm_O=asset.inertia_per_mass * (mass * size_ratio**2),

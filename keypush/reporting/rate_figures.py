@@ -21,9 +21,6 @@ from keypush.reporting.svg import WIDTH, Drawing
 from keypush.reporting.tally import Tally, tally
 from keypush.reporting.words import percent, success_words
 
-Curves = Mapping[str, Mapping[float, Tally]]
-"""For each driver the tallies over something that is drawn from left to right."""
-
 _HEIGHT, _TOP, _BOTTOM, _LEFT, _RIGHT = 220.0, 10.0, 182.0, 44.0, WIDTH - 12.0
 _ROW_LEFT = 114.0
 _ERROR_EDGES = np.array([0.0, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, np.inf])

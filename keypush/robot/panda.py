@@ -27,14 +27,10 @@ class Panda:
 
     instance: ModelInstanceIndex
     """Model instance of the whole arm: 7 positions, 7 velocities, 7 actuators."""
-    base_body: RigidBody
-    """Body of B, welded to the world."""
     tool_body: RigidBody
     """The hand; it carries palm and closed fingers."""
     tool_frame: Frame
     """E: 0.1034 m beyond the hand along its z, in the middle of the closed finger pads."""
-    joints: tuple[RevoluteJoint, ...]
-    """The 7 joints from base to flange."""
 
 
 def add_panda(plant: MultibodyPlant, config: RobotConfig, simulation: SimulationConfig) -> Panda:
@@ -57,11 +53,10 @@ def add_panda(plant: MultibodyPlant, config: RobotConfig, simulation: Simulation
     plant.set_gravity_enabled(instance, False)
     stiffness, damping = joint_gains(config)
     gains = PdControllerGains(p=stiffness, d=damping)
-    joints = []
     for i in range(NUM_JOINTS):
         name = f"panda_joint{i + 1}"
-        joints.append(cast(RevoluteJoint, plant.GetJointByName(name, instance)))
-        joints[i].set_default_damping(config.joint_damping[i])
+        joint = cast(RevoluteJoint, plant.GetJointByName(name, instance))
+        joint.set_default_damping(config.joint_damping[i])
         actuator = plant.GetJointActuatorByName(name, instance)
         # With gear ratio 1 the rotor inertia is the reflected inertia.
         actuator.set_default_gear_ratio(1.0)
@@ -69,10 +64,8 @@ def add_panda(plant: MultibodyPlant, config: RobotConfig, simulation: Simulation
         actuator.set_controller_gains(gains)
     return Panda(
         instance=instance,
-        base_body=base,
         tool_body=plant.GetBodyByName("panda_hand", instance),
         tool_frame=plant.GetFrameByName("panda_tool", instance),
-        joints=tuple(joints),
     )
 
 

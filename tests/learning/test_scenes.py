@@ -7,6 +7,7 @@ import torch
 from keypush.dataset.poses import rotations
 from keypush.learning.clouds import CloudBank, draw_clouds, surface_samplers
 from keypush.learning.config import TrainingConfig
+from keypush.learning.goal_frame import GoalFrames
 from keypush.learning.inference.goal_frame import GoalFrame
 from keypush.learning.labels import make_labels
 from keypush.learning.rows import Rows, read_rows
@@ -63,7 +64,7 @@ def test_clouds_lie_on_the_table_at_the_rows_poses(rows: Rows, batch: SceneBatch
 
 
 def test_patches_were_grouped_on_the_cloud_itself(batch: SceneBatch) -> None:
-    scene, _, _ = to_network(batch, use_com=False)
+    scene, _ = to_network(batch, use_com=False)
     centre = torch.take_along_dim(scene.cloud, scene.centres[:, :, None], dim=1)
     offset = (scene.cloud[:, None] - centre[:, :, None]).norm(dim=3)
     found = torch.take_along_dim(offset, scene.members, dim=2)
@@ -99,7 +100,8 @@ def test_augmented_hands_keep_their_place_at_the_label(batch: SceneBatch) -> Non
 
 @pytest.mark.parametrize("use_com", [False, True])
 def test_network_frame_is_metres_over_length(batch: SceneBatch, use_com: bool) -> None:
-    scene, label, frames = to_network(batch, use_com=use_com)
+    scene, label = to_network(batch, use_com=use_com)
+    frames = GoalFrames.of(batch.com if use_com else batch.cloud.mean(dim=1), batch.goal)
     each = zip(frames.origin.numpy(), frames.R_WG.numpy(), label.numpy(), strict=True)
     restored = [GoalFrame(origin, R_WG).to_world(p_G) for origin, R_WG, p_G in each]
     np.testing.assert_allclose(restored, batch.label, atol=1e-6)

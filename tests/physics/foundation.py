@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from keypush.checking.object_scene import GRAVITY
 from keypush.objects.model import ObjectModel
 from keypush.objects.table import THICKNESS
+from tests.physics.thrown import GRAVITY
 
 Array = NDArray[np.float64]
 

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from keypush.checking.object_scene import FRICTION, GRAVITY, ObjectScene
+from keypush.checking.object_scene import ObjectScene
 from keypush.scenario import SimulationConfig
 from tests.objects.every_object import EVERY_OBJECT
 from tests.physics.exact_shapes import any_model
+from tests.physics.thrown import FRICTION, GRAVITY, ThrownScene
 
 CENIC = SimulationConfig()
 DISCRETE = SimulationConfig(integrator="discrete")
@@ -24,7 +25,7 @@ def test_an_object_at_rest_stays_at_rest(name: str) -> None:
 
 def deceleration(name: str, speed: float, duration: float, setting: SimulationConfig) -> float:
     """Mean deceleration of a thrown object relative to mu g."""
-    scene = ObjectScene(any_model(name), setting)
+    scene = ThrownScene(any_model(name), setting)
     scene.advance(0.1)
     scene.throw(np.array([speed, 0.0, 0.0]))
     scene.advance(duration)

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 from keypush.checking.object_checks import HARD_TABLE
-from keypush.checking.object_scene import GRAVITY, ObjectScene
+from keypush.checking.object_scene import ObjectScene
 from keypush.checking.tipping import com_beyond_edge, directions
 from keypush.objects.catalogue import catalogue_names
 from keypush.objects.table import THICKNESS
 from keypush.scenario import SimulationConfig
 from tests.physics.exact_shapes import EXACT, any_model, exact_model
 from tests.physics.foundation import com_height, tipping_inset
+from tests.physics.thrown import GRAVITY
 
 SHAPES = pytest.mark.parametrize("name", [*EXACT, *catalogue_names()])
 SHIPPED = SimulationConfig()

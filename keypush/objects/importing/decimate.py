@@ -11,7 +11,7 @@ from keypush.objects.importing.topology import compact
 MAX_SOLID_FACES = 4000
 """Faces of a solid."""
 MAX_SURFACE_FACES = 20_000
-"""Faces of a surface that repair and display are at ease with."""
+"""Faces of a surface that repair is at ease with."""
 _LITTLE = 0.05
 _MUCH = 0.2
 _FIRST_TOLERANCE = 5e-4

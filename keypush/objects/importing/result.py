@@ -20,9 +20,6 @@ class ImportedMesh:
 
     solid: trimesh.Trimesh
     """Closed, faces outwards, positive volume, at most 4000 faces."""
-    surface: trimesh.Trimesh
-    """What one sees of it: for display and for sampling points; may be open. About 20 000 faces
-    at most."""
     colour: Colour | None
     """Its main colour, if the file has any."""
     sha256: str

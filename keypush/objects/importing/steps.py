@@ -68,7 +68,6 @@ def _result(file: MeshFile, frame: UnitFrame, surface: Cleaned, repaired: Repair
     vertices, faces = arrays(repaired.solid)
     return ImportedMesh(
         as_mesh(frame.leave(vertices), faces),
-        as_mesh(frame.leave(surface.vertices), surface.faces),
         file.colour,
         file.sha256,
         (*surface.notes, *repaired.notes),

@@ -33,8 +33,6 @@ def check(importer: Importer, path: Path) -> str:
     assert judged.volume() > 0
     assert solid.is_watertight
     assert len(solid.faces) <= 4000
-    assert np.isfinite(result.surface.vertices).all()
-    assert len(result.surface.faces) > 0
     assert not [note for note in result.notes if note.startswith("repairing it")], result.notes
     return "solid"
 
