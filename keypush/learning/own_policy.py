@@ -6,13 +6,14 @@ something else than a keypoint. All of that becomes `PolicyError`, which ends an
 
 import importlib
 import inspect
+import re
 import reprlib
 import sys
 import traceback
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import chdir, contextmanager
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, NoneType
 from typing import Any, override
 
 import numpy as np
@@ -26,6 +27,8 @@ Array = NDArray[Any]
 
 ANSWER_SECONDS = 10.0
 """Wall time after which an answer does not count; far longer than any sensible one takes."""
+_PLAIN = (bool, float, complex, bytes, NoneType, np.generic, np.ndarray)
+_ADDRESS = re.compile(r" at 0x[0-9a-f]+")
 _ALLOWED = (
     "allowed: a class or function that, called without arguments, gives an object with uses_com "
     "(true or false) and predict(cloud_W, goal_W, com_W, hand)"
@@ -64,7 +67,7 @@ class OwnModel(KeypointModel):
         """
         seen = (cloud_W, goal_W, com_W, hand)
         try:
-            with time_limit(self._seconds):
+            with chdir("."), time_limit(self._seconds):  # back to here, wherever it goes
                 # Copies: what it does to them must not reach the simulation.
                 answer = self._model.predict(*(None if s is None else s.copy() for s in seen))
                 keypoint = np.asarray(answer)
@@ -136,7 +139,7 @@ def _load(source: str) -> tuple[ModuleType, Path]:
 def _run_file(path: Path) -> ModuleType:
     """Imports a file without the bytecode that Python keeps: an edit in the same second counts."""
     module = ModuleType(f"keypush_own_policy_{path.stem}")
-    module.__file__ = str(path)
+    module.__file__ = str(path.resolve())
     sys.modules[module.__name__] = module  # dataclasses and others look there for their module
     exec(compile(path.read_bytes(), str(path), "exec"), module.__dict__)
     return module
@@ -193,9 +196,13 @@ def _predicts(model: Any) -> bool:
 
 @contextmanager
 def _told_as_mistake(what: str, path: Path, allowed: str = "") -> Iterator[None]:
-    """Turns whatever the user's code inside raises into a `UserError`, but for Ctrl-C."""
+    """Turns whatever the user's code inside raises into a `UserError`, but for Ctrl-C.
+
+    It may change the folder it works in, as to load its weights; afterwards that is what it was.
+    """
     try:
-        yield
+        with chdir("."):
+            yield
     except KeyboardInterrupt:
         raise
     except BaseException as error:
@@ -218,11 +225,22 @@ def _text(error: BaseException) -> str:
         text = one_line(error)
     except Exception:  # it is the user's class, whose __str__ may raise too
         return "(without a text)"
-    # What is no Unicode, as of a file's odd name, no Parquet file can hold.
-    return text.encode(errors="backslashreplace").decode()
+    # What is no Unicode, as of a file's odd name, no Parquet file can hold; and the same mistake
+    # is to read the same in every process.
+    return _ADDRESS.sub("", text).encode(errors="backslashreplace").decode()
+
+
+class _Answers(reprlib.Repr):
+    """Shows answers the same in every process: of objects the type, as texts have addresses."""
+
+    @override
+    def repr_instance(self, x: Any, level: int) -> str:
+        if isinstance(x, _PLAIN) and getattr(x, "dtype", None) != np.dtype(object):
+            return super().repr_instance(x, level)
+        return f"<{type(x).__name__}>"
 
 
 def _shown(answer: Any) -> str:
     """An answer on one line of bounded length."""
-    text = " ".join(reprlib.repr(answer).split())
+    text = " ".join(_Answers().repr(answer).split())
     return text.encode(errors="backslashreplace").decode()

@@ -8,6 +8,9 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
 
+_AGAIN = 1.0
+"""Time after which a limit that was caught is told again, s."""
+
 
 class NoAnswer(BaseException):
     """The time is over; no `Exception`, which a loop that tries again would catch."""
@@ -18,7 +21,8 @@ def time_limit(seconds: float) -> Iterator[None]:
     """Raises `NoAnswer` in what runs inside when its time is over.
 
     Only the main thread gets signals: elsewhere there is no limit. Compiled code is cut off when
-    it comes back to Python. Handler and timer are afterwards what they were before.
+    it comes back to Python. What catches everything gets it again every second, and once more
+    after it has come to its end. Handler and timer are afterwards what they were before.
 
     Args:
         seconds: wall time.
@@ -28,7 +32,7 @@ def time_limit(seconds: float) -> Iterator[None]:
         return
     begun = time.monotonic()
     handler = signal.signal(signal.SIGALRM, _ring)
-    left, interval = signal.setitimer(signal.ITIMER_REAL, seconds)
+    left, interval = signal.setitimer(signal.ITIMER_REAL, seconds, _AGAIN)
     try:
         yield
     finally:
@@ -38,6 +42,8 @@ def time_limit(seconds: float) -> Iterator[None]:
         if left:
             late = time.monotonic() - begun
             signal.setitimer(signal.ITIMER_REAL, max(left - late, 1e-6), interval)
+    if time.monotonic() - begun > seconds:
+        raise NoAnswer
 
 
 def _ring(_number: int, _frame: FrameType | None) -> NoReturn:

@@ -241,8 +241,24 @@ def test_what_is_not_three_numbers_is_refused(answer: Any) -> None:
     assert "\n" not in reason
 
 
-def test_an_answer_that_cannot_be_shown_is_refused() -> None:
-    assert _reason(Unprintable).startswith("SystemExit")
+@pytest.mark.parametrize(
+    ("answer", "shown"),
+    [
+        (Unprintable(), "<Unprintable>"),
+        ((0.1 for _ in range(3)), "<generator>"),
+        ([0.1, 0.2, Unprintable()], "[0.1, 0.2, <Unprintable>]"),
+        (np.array([0.1, None, 0.3], dtype=object), "<ndarray>"),
+    ],
+)
+def test_an_object_is_told_by_its_type_as_its_text_may_change(answer: Any, shown: str) -> None:
+    assert _reason(lambda: answer) == f"keypoint is {shown}; allowed: three numbers"
+
+
+def test_addresses_in_what_it_raises_are_left_out() -> None:
+    def fail() -> None:
+        raise TypeError(f"no number: {object()}")
+
+    assert _reason(fail).startswith("TypeError: no number: <object object> (test_own_policy.py:")
 
 
 @pytest.mark.parametrize(
@@ -271,6 +287,44 @@ def _wait_for_ever() -> None:
 
 def test_who_never_answers_is_interrupted() -> None:
     assert _reason(_wait_for_ever, seconds=0.2) == "no answer within 0.2 s"
+
+
+def test_who_catches_the_limit_is_told_again_and_does_not_count_when_late() -> None:
+    interrupted: list[type[BaseException]] = []
+
+    def stubborn() -> list[float]:
+        while len(interrupted) < 2:
+            try:
+                time.sleep(3600)
+            except BaseException as error:
+                interrupted.append(type(error))
+        return [0.1, 0.2, 0.3]
+
+    assert _reason(stubborn, seconds=0.2) == "no answer within 0.2 s"
+    assert interrupted == [NoAnswer, NoAnswer]
+
+
+def test_it_may_work_in_another_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "weights").mkdir()
+    (tmp_path / "mine.py").write_text("""
+import os
+from pathlib import Path
+os.chdir("weights")
+class X:
+    uses_com = False
+    def __init__(self):
+        self.made_in = os.getcwd()
+        os.chdir("weights")
+    def predict(self, cloud, goal, com, hand):
+        os.chdir(Path(__file__).parent / "weights")
+        return [0.1, 0.2, 0.3]
+""")
+    monkeypatch.chdir(tmp_path)
+    model = own_model("mine.py:X")
+    assert Path.cwd() == tmp_path
+    model.predict(CLOUD, GOAL, None, HAND)
+    assert Path.cwd() == tmp_path
+    own_model("mine.py:X")  # still found
 
 
 def test_handler_and_timer_are_what_they_were() -> None:
