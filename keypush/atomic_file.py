@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Files that are written whole or not at all, and the folders for them."""
 
 import os
 from pathlib import Path
@@ -38,9 +38,21 @@ def write_whole(path: Path, content: bytes) -> None:
     Raises:
         UserError: the file cannot be written; names it.
     """
+    make_folder(path.parent)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(content, path)
     except OSError as error:
         reason = error.strerror or one_line(error)
         raise UserError(f"{path}: cannot be written: {reason}") from error
+
+
+def make_folder(path: Path) -> None:
+    """Makes a folder of results, with its parents, where it is missing.
+
+    Raises:
+        UserError: it cannot be made; names it.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"{path}: cannot be made: {error.strerror or one_line(error)}") from error

@@ -1,4 +1,4 @@
-"""What child processes inherit: one thread each, and no Ctrl-C."""
+"""How many child processes there may be, and what they inherit: one thread each, and no Ctrl-C."""
 
 import os
 import signal
@@ -8,6 +8,11 @@ from multiprocessing import resource_tracker
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Environment variables that keep libraries of numbers to one thread."""
+
+
+def usable_cores() -> int:
+    """Returns how many cores this process may use: as many workers are started by default."""
+    return len(os.sched_getaffinity(0))
 
 
 @contextmanager

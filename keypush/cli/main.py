@@ -1,6 +1,8 @@
 """The entry point of the `keypush` command."""
 
+import errno
 import sys
+from collections.abc import Sequence
 from typing import Annotated
 
 import tyro
@@ -36,6 +38,8 @@ Verb = (
     | Annotated[Diagram, subcommand("diagram")]
 )
 
+_UNUSABLE = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENAMETOOLONG, errno.ELOOP)
+"""What the system says of a path that somebody mistook; all other errors are bugs."""
 _DESCRIPTION = """Push unseen objects through one predicted contact keypoint, in Drake.
 
 A first look: keypush demo. Every verb explains itself: keypush VERB --help.
@@ -56,6 +60,10 @@ def main(arguments: list[str] | None = None) -> int:
     if arguments == ["--version"]:
         print(f"keypush {__version__}")
         return 0
+    try:
+        _check_words(arguments)
+    except UserError as error:
+        return _refuse(str(error))
     verb = tyro.cli(
         Verb,
         prog="keypush",
@@ -66,9 +74,25 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         status = verb.run()
     except UserError as error:
-        print(f"keypush: {error}", file=sys.stderr)
-        return 2
+        return _refuse(str(error))
+    except OSError as error:
+        if error.errno not in _UNUSABLE or error.filename is None:
+            raise
+        return _refuse(f"{error.filename}: {error.strerror}; allowed: a path that you may use")
     except KeyboardInterrupt:
         print(f"\nkeypush: stopped; {verb.after_interrupt}", file=sys.stderr)
         return 130
     return status or 0
+
+
+def _check_words(arguments: Sequence[str]) -> None:
+    """Refuses what is no Unicode, as results tell of files and policies by their names."""
+    for word in arguments:
+        shown = word.encode(errors="backslashreplace").decode()
+        if shown != word:
+            raise UserError(f"{shown}: is not UTF-8; allowed: names that are")
+
+
+def _refuse(reason: str) -> int:
+    print(f"keypush: {reason}", file=sys.stderr)
+    return 2

@@ -8,7 +8,7 @@ from typing import Any
 import pyarrow as pa
 import yaml
 
-from keypush.atomic_file import write_whole
+from keypush.atomic_file import make_folder, write_whole
 from keypush.errors import UserError
 from keypush.evaluation.conditions import AXES, condition_name
 from keypush.evaluation.measures import job_records
@@ -62,7 +62,7 @@ def run_conditions(
     for job in jobs:
         check_starts(job)
     for folder in folders:
-        _make(out / folder)
+        make_folder(out / folder)
     places = [(job, out / folder) for job, folder in zip(jobs, folders, strict=True)]
     run_jobs(places, workers=workers, engine=engine)
 
@@ -127,8 +127,18 @@ def _conditions(jobs: Sequence[Job], episodes: Sequence[dict[str, Any]]) -> dict
 
 
 def _refuse_others(out: Path, folders: Sequence[str]) -> None:
-    """Refuses to mix one condition with several, and conditions that are not asked for."""
+    """Refuses to mix one condition with several, and conditions that are not asked for.
+
+    Records without what they came from would be lost.
+    """
     several = folders != [_ONE_FOLDER]
+    if (out / RECORDS_FILE).exists() and not any(
+        (out / name).exists() for name in ("job.yaml", CONDITIONS)
+    ):
+        raise UserError(
+            f"output folder {out}: holds {RECORDS_FILE} of another evaluation; allowed: another "
+            "folder"
+        )
     if several and (out / "job.yaml").exists():
         raise UserError(
             f"output folder {out}: holds an evaluation of one condition (job.yaml); allowed: "
@@ -145,10 +155,3 @@ def _refuse_others(out: Path, folders: Sequence[str]) -> None:
                 f"{found}: is no condition of this evaluation; allowed: the conditions that are "
                 "there and more, or another output folder"
             )
-
-
-def _make(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UserError(f"{folder}: cannot be made: {error.strerror}") from error

@@ -95,6 +95,8 @@ def choose_examples(
     for name in objects:
         if name not in names:
             raise UserError(f"--objects has {name}; allowed: {', '.join(names)}")
+        if objects.count(name) > 1:
+            raise UserError(f"--objects has {name} twice; allowed: each once")
     return [
         _draw([row for row in mine if row["object"] == name], name, success, most, seed)
         for name in objects

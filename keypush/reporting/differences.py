@@ -1,6 +1,6 @@
 """What differs between the runs of a report beside what it compares."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ _FILES = {"weights_sha256": "weights", "policy_sha256": "file"}
 """What lies in files that have one name and may have had two contents."""
 _OBJECTS = "user_objects_sha256"
 """One digest of all own objects of a job: compared between jobs that have the same ones."""
+_MISSING = "missing"
 _MOST = 6
 """So many differences are named."""
 
@@ -34,9 +35,17 @@ def find_differences(table: pa.Table) -> str:
         The line; empty where all are alike.
     """
     found: dict[str, dict[str, None]] = {}
+    scenarios = []
     for folder, own in _folders(table).items():
-        for name, value in _settings(folder, own):
+        scenario, job = (read_settings(folder / name) for name in ("scenario.yaml", "job.yaml"))
+        for name, value in _made_by(scenario, job, own):
             found.setdefault(name, {})[value] = None
+        if scenario:
+            scenarios.append(scenario)
+    # A field that only newer versions have is a difference, too.
+    for name in dict.fromkeys(name for scenario in scenarios for name in scenario):
+        if name not in _COMPARED:
+            found[name] = {str(scenario.get(name, _MISSING)): None for scenario in scenarios}
     unlike = [f"{name} ({', '.join(values)})" for name, values in found.items() if len(values) > 1]
     if not unlike:
         return ""
@@ -55,8 +64,10 @@ def _folders(table: pa.Table) -> dict[Path, list[str]]:
     return found
 
 
-def _settings(folder: Path, own: Sequence[str]) -> Iterator[tuple[str, str]]:
-    scenario, job = (read_settings(folder / name) for name in ("scenario.yaml", "job.yaml"))
+def _made_by(
+    scenario: Mapping[str, Any], job: Mapping[str, Any], own: Sequence[str]
+) -> Iterator[tuple[str, str]]:
+    """What made the episodes of a folder: the version, and what lies in files."""
     if "keypush" in job:
         yield "keypush", str(job["keypush"])
     for name, what in _FILES.items():
@@ -64,15 +75,12 @@ def _settings(folder: Path, own: Sequence[str]) -> Iterator[tuple[str, str]]:
             yield f"{what} of {_driver(scenario)}", _short(job[name])
     if own and _OBJECTS in job:
         yield f"files of {', '.join(sorted(own))}", _short(job[_OBJECTS])
-    for name, value in scenario.items():
-        if name not in _COMPARED:
-            yield name, str(value)
 
 
 def _short(digest: Any) -> str:
     return str(digest)[:8]
 
 
-def _driver(scenario: dict[str, Any]) -> str:
+def _driver(scenario: Mapping[str, Any]) -> str:
     policy, weights = scenario.get("policy"), scenario.get("predictor.weights", "auto")
     return f"{policy}{'' if weights == 'auto' else f' with {weights}'}"

@@ -1,13 +1,17 @@
 """A report as Markdown: its words and tables, without its figures."""
 
+import re
+
 from keypush.reporting.report import Report
 from keypush.reporting.table import ReportTable
+
+_TAG = re.compile(r"<(?=[A-Za-z/!?])")
 
 
 def render_markdown(report: Report) -> str:
     """Writes a report's words and tables as Markdown."""
     parts = [f"# {report.title}", report.lead]
-    parts.append("\n".join(f"- {name}: {text}" for name, text in report.facts))
+    parts.append("\n".join(f"- {_line(name)}: {_line(text)}" for name, text in report.facts))
     for section in report.sections:
         if not (section.text or section.tables):
             continue
@@ -27,4 +31,9 @@ def _table(table: ReportTable) -> str:
 
 
 def _cell(text: str) -> str:
-    return text.replace("|", "\\|")
+    return _line(text).replace("|", "\\|")
+
+
+def _line(text: str) -> str:
+    """What came from files or a policy must not be taken for HTML, nor break a line."""
+    return _TAG.sub("&lt;", " ".join(text.split()))

@@ -63,9 +63,9 @@ def find_recordings(runs: Sequence[Path], page: Path) -> list[Recording]:
     found = {path.resolve(): None for run in runs for path in sorted(run.glob(_RECORDINGS))}
     return [
         Recording(
-            name=path.stem,
-            group=_relative(path.parent.parent, base),
-            address=quote(_relative(path, base)),
+            name=_shown(path.stem),
+            group=_shown(_relative(path.parent.parent, base)),
+            address=quote(os.fsencode(_relative(path, base))),
         )
         for path in found
     ]
@@ -73,3 +73,8 @@ def find_recordings(runs: Sequence[Path], page: Path) -> list[Recording]:
 
 def _relative(path: Path, base: Path) -> str:
     return Path(os.path.relpath(path, base)).as_posix()
+
+
+def _shown(name: str) -> str:
+    """A file's name may be no Unicode, a page has to be."""
+    return name.encode(errors="backslashreplace").decode()

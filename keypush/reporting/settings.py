@@ -16,7 +16,7 @@ def read_settings(path: Path) -> dict[str, Any]:
     """
     try:
         content = parse_yaml(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, UserError):
+    except (OSError, ValueError, UserError):
         return {}
     return dict(_flat(content)) if isinstance(content, dict) else {}
 

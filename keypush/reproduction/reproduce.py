@@ -1,19 +1,20 @@
 """Runs every policy under every condition and writes the thesis' tables anew."""
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
 import pyarrow as pa
 
+from keypush.errors import UserError
 from keypush.evaluation.records import RECORDS_FILE, write_records
 from keypush.reproduction.part import Part, parts
 from keypush.reproduction.plan import Plan
-from keypush.reproduction.report import Reproduction, write_reproduction
+from keypush.reproduction.report import TABLES_FILE, Reproduction, write_reproduction
 from keypush.reproduction.throughput import Session, rate, read_sessions
 from keypush.rollout.folder_lock import hold_folder
 from keypush.rollout.make_engine import EngineName
 from keypush.rollout.progress import SECONDS_PER_EPISODE, duration, say
+from keypush.worker_environment import usable_cores
 
 
 def reproduce(
@@ -43,9 +44,10 @@ def reproduce(
         UserError: see `evaluate`.
         RuntimeError: an episode raised.
     """
-    at_once = len(os.sched_getaffinity(0)) if workers is None else workers
+    at_once = usable_cores() if workers is None else workers
     with hold_folder(out):
         todo = list(parts(plan, policies, out))
+        _refuse_others(todo, out)
         _announce(todo, policies, at_once)
         tables: list[pa.Table] = []
         for number, part in enumerate(todo, 1):
@@ -66,6 +68,15 @@ def reproduce(
             write_records(reproduction.records, out / RECORDS_FILE)
             write_reproduction(reproduction, out)
     return reproduction
+
+
+def _refuse_others(todo: Sequence[Part], out: Path) -> None:
+    """Keeps records that no reproduction wrote."""
+    begun = (out / TABLES_FILE).exists() or any(part.folder.exists() for part in todo)
+    if (out / RECORDS_FILE).exists() and not begun:
+        raise UserError(
+            f"output folder {out}: holds {RECORDS_FILE} of an evaluation; allowed: another folder"
+        )
 
 
 def _sessions(todo: Sequence[Part], policy: str) -> list[Session]:

@@ -5,6 +5,7 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+from keypush.atomic_file import make_folder
 from keypush.dataset.assemble import assemble_dataset
 from keypush.dataset.layout import INFO
 from keypush.errors import UserError, one_line
@@ -54,7 +55,7 @@ def collect_dataset(
             _discard(shards)
             return None
         check_starts(job)
-        _make(shards)
+        make_folder(shards)
         store = run_job(job, shards, workers=workers, engine=engine, make_runner=make_runner)
         summaries = store.read_summaries()
         _assemble(shards, out)
@@ -83,13 +84,6 @@ def _assemble(shards: Path, out: Path) -> None:
         ) from error
     os.sync()  # A loss of power must not take the data set after its shards are gone.
     _discard(shards)
-
-
-def _make(shards: Path) -> None:
-    try:
-        shards.mkdir(exist_ok=True)
-    except OSError as error:
-        raise UserError(f"{shards}: cannot be made: {error.strerror}") from error
 
 
 def _discard(shards: Path) -> None:

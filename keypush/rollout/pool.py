@@ -1,7 +1,6 @@
 """Long-lived worker processes that Ctrl-C, a crash or the end of the parent cannot orphan."""
 
 import multiprocessing
-import os
 import signal
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -14,7 +13,7 @@ from keypush.rollout.engine import Event, Lost, raise_failure
 from keypush.rollout.job import Block, take_block
 from keypush.rollout.worker import Failed, MakeRunner, Message, work
 from keypush.scenario import Scenario
-from keypush.worker_environment import worker_environment
+from keypush.worker_environment import usable_cores, worker_environment
 
 _STOP_SECONDS = 5.0
 
@@ -62,7 +61,7 @@ class LocalEngine:
         self, workers: int | None, scenarios: Sequence[Scenario], make_runner: MakeRunner
     ) -> None:
         """Args: see `make_engine`."""
-        self.workers = len(os.sched_getaffinity(0)) if workers is None else workers
+        self.workers = usable_cores() if workers is None else workers
         self._arguments = (tuple(scenarios), make_runner)
         self._workers: list[_Worker] = []
 

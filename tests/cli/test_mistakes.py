@@ -75,6 +75,15 @@ MISTAKES: list[tuple[list[str], list[str]]] = [
     (["evaluate", "--out", "data"], ["output folder data: holds a data set (meta)"]),
     (["reproduce", "--scale", "quick", "--out", "evaluation"], ["holds an evaluation (job.yaml)"]),
     (["reproduce", "--scale", "quick", "--out", "several"], ["holds an evaluation (conditions)"]),
+    (["evaluate", "--out", "records"], ["records: holds records.parquet of another evaluation"]),
+    (
+        ["reproduce", "--scale", "quick", "--out", "records"],
+        ["records: holds records.parquet of an evaluation; allowed: another folder"],
+    ),
+    (["demo", "--out", 300 * "o"], ["File name too long; allowed: a path that you may use"]),
+    (["report", 300 * "r", "--out", "r.html"], ["rrr", "File name too long"]),
+    (["evaluate", "--policy", 300 * "p" + ".py:X", "--out", "e"], ["ppp", "File name too long"]),
+    (["evaluate", "--out", "caf\udce9"], ["caf\\udce9: is not UTF-8; allowed: names that are"]),
     (["demo", "--out", "evaluation"], ["output folder evaluation: holds an evaluation (job.yaml)"]),
     (["collect", "--workers", "0", "--out", "c"], ["--workers is 0"]),
     (["collect", "--seed", "1000000", "--out", "c"], ["seed is 1000000", "0 to 999999"]),
@@ -105,6 +114,8 @@ def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "data/meta",
     ):
         (folder / mark).mkdir(parents=True)
+    (folder / "records").mkdir()
+    (folder / "records/records.parquet").write_text("")
     return folder
 
 

@@ -100,6 +100,8 @@ def test_mistakes_are_named() -> None:
         choose_examples(RECORDS, ["mug"], policy="bc", most=3, seed=0)
     with pytest.raises(UserError, match=r"--objects has jug; allowed: mug, plate"):
         choose_examples(RECORDS, ["jug"], policy=None, most=3, seed=0)
+    with pytest.raises(UserError, match=r"--objects has mug twice; allowed: each once"):
+        choose_examples(RECORDS, ["mug", "plate", "mug"], policy=None, most=3, seed=0)
 
 
 def test_an_example_repeats_its_record_and_says_so_where_it_does_not(tmp_path: Path) -> None:

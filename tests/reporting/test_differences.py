@@ -52,6 +52,18 @@ def test_versions_scenarios_and_files_are_named_on_one_line(tmp_path: Path) -> N
     assert told in render_page(build_report(gather_episodes(table), told), [])
 
 
+def test_a_field_that_one_run_lacks_is_told(tmp_path: Path) -> None:
+    first, second = _run(tmp_path / "first"), _run(tmp_path / "second", episode=1)
+    older = second / "scenario.yaml"
+    text = older.read_text()
+    line = next(line for line in text.splitlines(keepends=True) if "touch_speed" in line)
+    older.write_text(text.replace(line, ""))
+    told = find_differences(read_runs([first, second]))
+    assert told == "these runs also differ in planner.touch_speed (0.02, missing)"
+    older.unlink()
+    assert find_differences(read_runs([first, second])) == ""
+
+
 @pytest.mark.parametrize(
     ("first", "second", "words"),
     [

@@ -49,6 +49,15 @@ def test_markdown_tables_have_as_many_cells_in_every_line(report: Report) -> Non
     assert [len(width) for width in widths] == [1] * len(widths)
 
 
+def test_what_a_policy_said_is_no_html_and_no_new_line(tmp_path: Path) -> None:
+    said = "keypoint is <generator>;\nallowed: p < 1 | three numbers"
+    records = [failed(policy="a\nb.py:P", outcome="policy_failed", reason=said)]
+    markdown = render_markdown(build_report(gathered(tmp_path, records)))
+    assert "keypoint is &lt;generator>; allowed: p < 1 \\| three numbers" in markdown
+    assert "a b.py:P" in markdown
+    assert "a\nb.py" not in markdown
+
+
 def test_lead_and_facts_say_what_was_run(report: Report) -> None:
     facts = dict(report.facts)
     assert report.lead.startswith("4 policies pushed 9 objects")
