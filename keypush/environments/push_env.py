@@ -3,6 +3,7 @@
 import gc
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import NoneType
 from typing import Any, override
 
 import gymnasium
@@ -27,6 +28,7 @@ from keypush.environments.spaces import (
     observation_space,
 )
 from keypush.errors import UserError
+from keypush.scenario_check import LARGEST_SEED
 from keypush.seeding import make_generator
 from keypush.systems.episode_monitor import Outcome
 
@@ -57,7 +59,7 @@ class PushEnv(gymnasium.Env[Observation, NDArray[Any]]):
     the next step.
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["meshcat"], "render_fps": 10}  # noqa: RUF012
+    metadata: dict[str, Any] = {"render_modes": ["meshcat"], "render_fps": 10}  # noqa: RUF012 (Gymnasium reads it from the class)
 
     def __init__(
         self,
@@ -216,6 +218,8 @@ class PushEnv(gymnasium.Env[Observation, NDArray[Any]]):
 
 def _checked_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
     """Returns the options of a reset, with a plain int for the episode."""
+    if not isinstance(options, Mapping | NoneType):
+        raise UserError(f"options is {options!r}; allowed: a mapping, or None")
     wanted = dict(options or {})
     for name in wanted:
         if name not in _RESET_OPTIONS:
@@ -223,8 +227,10 @@ def _checked_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
     if "episode" in wanted:
         episode = wanted["episode"]
         whole = isinstance(episode, int | np.integer) and not isinstance(episode, bool)
-        if not whole or episode < 0:
-            raise UserError(f"option episode is {episode!r}; allowed: a whole number from 0")
+        if not whole or not 0 <= episode <= LARGEST_SEED:
+            raise UserError(
+                f"option episode is {episode!r}; allowed: a whole number from 0 to {LARGEST_SEED}"
+            )
         wanted["episode"] = int(episode)
     if "object" in wanted:
         wanted["object"] = checked_object(wanted["object"])

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from numbers import Real
 
 from keypush.errors import UserError
 from keypush.systems.episode_monitor import Outcome
@@ -29,10 +30,10 @@ class Reward:
 
     def __post_init__(self) -> None:
         """Checks the numbers that a user gave."""
-        if not (math.isfinite(self.shaping) and self.shaping >= 0):
-            raise UserError(f"shaping is {self.shaping}; allowed: a number from 0")
-        if not 0 < self.discount <= 1:
-            raise UserError(f"discount is {self.discount}; allowed: a number above 0, up to 1")
+        if not (_is_number(self.shaping) and math.isfinite(self.shaping) and self.shaping >= 0):
+            raise UserError(f"shaping is {self.shaping!r}; allowed: a number from 0")
+        if not (_is_number(self.discount) and 0 < self.discount <= 1):
+            raise UserError(f"discount is {self.discount!r}; allowed: a number above 0, up to 1")
 
     def __call__(self, before: float, after: float, outcome: Outcome) -> float:
         """Returns the reward of one policy step.
@@ -47,3 +48,7 @@ class Reward:
 
     def _potential(self, distance: float) -> float:
         return self.shaping * (1.0 - distance / self.length)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)

@@ -37,10 +37,12 @@ def observation_space(scenario: Scenario, extras: Iterable[str]) -> spaces.Dict:
     Raises:
         UserError: there is no such name.
     """
+    if not isinstance(extras, Iterable):
+        raise UserError(f"extras is {extras!r}; allowed: names out of {', '.join(EXTRAS)}")
     names = (*OBSERVED, *extras)
     boxes = _boxes(scenario)
     for name in names:
-        if name not in boxes:
+        if not isinstance(name, str) or name not in boxes:
             raise UserError(f"extras has {name!r}; allowed: {', '.join(EXTRAS)}")
     return spaces.Dict({name: boxes[name] for name in names})
 
@@ -76,8 +78,10 @@ def checked_action(action: Any, limits: tuple[Array, Array]) -> Array:
     """
     shape = limits[0].shape
     try:
+        if np.iscomplexobj(action):
+            raise TypeError("complex")
         values = np.asarray(action, dtype=float)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise UserError(f"action is {action!r}; allowed: {shape[0]} numbers") from error
     if values.shape != shape:
         raise UserError(f"action has the shape {values.shape}; allowed: {shape}")
