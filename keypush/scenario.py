@@ -7,10 +7,10 @@ table top, z up, x away from the robot), B robot base, E tool tip, O object.
 import math
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any
 
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
+from keypush.checked_fields import choice, factors, number, vector
 from keypush.errors import UserError, one_line
 from keypush.policies import OWN_POLICY, POLICIES, SHIPPED, is_own_policy
 from keypush.scenario_check import LARGEST_SEED, SURFACE_POINTS, check_values, check_yaml
@@ -27,43 +27,17 @@ VARIED_FIELDS = {
 """Section and name of the field that each of the factors in `variation` multiplies."""
 
 
-def _number(default: float | None, low: float, high: float) -> Any:
-    """A numeric field with its closed range of allowed values."""
-    return field(default=default, metadata={"range": (low, high)})
-
-
-def _vector(default: list[float], low: float, high: float) -> Any:
-    """A fixed-length list field whose every entry has the same closed range."""
-    return field(
-        default_factory=lambda: list(default),
-        metadata={"range": (low, high), "length": len(default)},
-    )
-
-
-def _factors(low: float, high: float) -> Any:
-    """The lowest and the highest factor on another field, by default 1 and 1."""
-    return field(
-        default_factory=lambda: [1.0, 1.0],
-        metadata={"range": (low, high), "length": 2, "ordered": True},
-    )
-
-
-def _choice(default: str, allowed: tuple[str, ...]) -> Any:
-    """A field that holds one of a few words; Drake's YAML schemas know no `Literal`."""
-    return field(default=default, metadata={"allowed": allowed})
-
-
 @dataclass(kw_only=True)
 class ObjectConfig:
     """The object that is pushed."""
 
     name: str = "mug"
     """Name of a built-in object, or of one that was added."""
-    size_ratio: float = _number(1.0, 0.25, 3.0)
+    size_ratio: float = number(1.0, 0.25, 3.0)
     """Size relative to the object's own; the sphere about a built-in one is 0.10 m across."""
-    mass: float | None = _number(None, 0.001, 10.0)
+    mass: float | None = number(None, 0.001, 10.0)
     """Mass in kg; the object's own, 0.1 for a built-in one, when null."""
-    friction: float = _number(0.7, 0.0, 3.0)
+    friction: float = number(0.7, 0.0, 3.0)
     """Coulomb coefficient; Drake combines a pair as 2ab/(a+b)."""
 
 
@@ -71,15 +45,15 @@ class ObjectConfig:
 class TableConfig:
     """The table: a box whose top face is centred on Wo."""
 
-    length: float = _number(0.40, 0.1, 5.0)
+    length: float = number(0.40, 0.1, 5.0)
     """Extent along Wx."""
-    width: float = _number(0.50, 0.1, 5.0)
+    width: float = number(0.50, 0.1, 5.0)
     """Extent along Wy."""
-    height: float = _number(0.40, 0.05, 2.0)
+    height: float = number(0.40, 0.05, 2.0)
     """Distance from the floor to the table top."""
-    friction: float = _number(0.4, 0.0, 3.0)
+    friction: float = number(0.4, 0.0, 3.0)
     """Coulomb coefficient."""
-    reachable: float = _number(0.8, 0.1, 1.0)
+    reachable: float = number(0.8, 0.1, 1.0)
     """Share of each half-extent in which objects and goals are placed."""
 
 
@@ -87,31 +61,31 @@ class TableConfig:
 class RobotConfig:
     """The Panda arm."""
 
-    base_position: list[float] = _vector([-0.5, 0.0, 0.0], -2.0, 2.0)
+    base_position: list[float] = vector([-0.5, 0.0, 0.0], -2.0, 2.0)
     """p_WBo_W."""
-    gripper_friction: float = _number(1.0, 0.0, 3.0)
+    gripper_friction: float = number(1.0, 0.0, 3.0)
     """Coulomb coefficient of palm, fingers, wrist and forearm."""
-    stiffness: float = _number(200.0, 1.0, 5000.0)
+    stiffness: float = number(200.0, 1.0, 5000.0)
     """k_p of every joint, Nm/rad."""
-    damping_ratio: float = _number(1.0, 0.0, 10.0)
+    damping_ratio: float = number(1.0, 0.0, 10.0)
     """rho; k_d = rho sqrt(k_p)."""
-    joint_damping: list[float] = _vector([2.12, 2.3, 1.29, 2.8, 0.291, 0.3, 0.46], 0.0, 100.0)
+    joint_damping: list[float] = vector([2.12, 2.3, 1.29, 2.8, 0.291, 0.3, 0.46], 0.0, 100.0)
     """Viscous damping, Nms/rad."""
-    reflected_inertia: list[float] = _vector([0.61, 0.61, 0.46, 0.46, 0.21, 0.21, 0.21], 0.0, 10.0)
+    reflected_inertia: list[float] = vector([0.61, 0.61, 0.46, 0.46, 0.21, 0.21, 0.21], 0.0, 10.0)
     """Rotor inertia seen at the joint, kg m^2."""
-    start_lower: list[float] = _vector(
+    start_lower: list[float] = vector(
         [-0.3, -0.4636, -0.2, -2.7432, -0.3335, 1.5269, -math.pi / 2], -math.pi, math.pi
     )
     """Lower corner of the box of start positions, rad."""
-    start_upper: list[float] = _vector(
+    start_upper: list[float] = vector(
         [0.3, 0.5432, 0.2, -1.5237, 0.3335, 2.5744, math.pi / 2], -math.pi, math.pi
     )
     """Upper corner of the box of start positions, rad."""
-    start_deviation: float = _number(0.03, 0.0, 1.0)
+    start_deviation: float = number(0.03, 0.0, 1.0)
     """Standard deviation added to every start position, rad."""
-    start_tool_height: float = _number(0.05, 0.0, 1.0)
+    start_tool_height: float = number(0.05, 0.0, 1.0)
     """Least height of the tool above the table at the start."""
-    start_object_distance: float = _number(0.12, 0.0, 1.0)
+    start_object_distance: float = number(0.12, 0.0, 1.0)
     """Least distance of the tool from Oo at the start."""
 
 
@@ -119,21 +93,21 @@ class RobotConfig:
 class EpisodeConfig:
     """How an episode begins, what counts as success and when it ends."""
 
-    policy_period: float = _number(0.1, 0.01, 1.0)
+    policy_period: float = number(0.1, 0.01, 1.0)
     """Time of one policy step."""
     max_steps: int = field(default=300, metadata={"range": (1, 100_000)})
     """Policy steps after which the episode has timed out."""
     goal: list[float] | None = None
     """Goal xy in W; drawn at random when null."""
-    goal_min_distance: float = _number(0.1, 0.0, 2.0)
+    goal_min_distance: float = number(0.1, 0.0, 2.0)
     """Least distance of the goal from the object's start, xy."""
-    goal_radius: float = _number(0.05, 0.001, 1.0)
+    goal_radius: float = number(0.05, 0.001, 1.0)
     """Success radius about the goal, xy."""
-    max_tilt_deg: float = _number(15.0, 0.1, 180.0)
+    max_tilt_deg: float = number(15.0, 0.1, 180.0)
     """Upright means tilted by less than this."""
-    max_height_change: float = _number(0.02, 0.0001, 1.0)
+    max_height_change: float = number(0.02, 0.0001, 1.0)
     """Upright means that COM and reference points moved up or down by less than this."""
-    settle_time: float = _number(1.0, 0.0, 10.0)
+    settle_time: float = number(1.0, 0.0, 10.0)
     """Time from the tool's stop to the test of `settled_success`."""
 
 
@@ -143,9 +117,9 @@ class NoiseConfig:
 
     cloud_points: int = field(default=512, metadata={"range": (16, SURFACE_POINTS)})
     """Points of the cloud."""
-    cloud_deviation: float = _number(0.005, 0.0, 0.1)
+    cloud_deviation: float = number(0.005, 0.0, 0.1)
     """Standard deviation of every coordinate of the cloud."""
-    torque_deviation: float = _number(0.03, 0.0, 10.0)
+    torque_deviation: float = number(0.03, 0.0, 10.0)
     """Standard deviation of every joint's torque, Nm, redrawn each policy step."""
 
 
@@ -153,21 +127,21 @@ class NoiseConfig:
 class SimulationConfig:
     """The integrator and the contact model."""
 
-    integrator: str = _choice("cenic", INTEGRATORS)
+    integrator: str = choice("cenic", INTEGRATORS)
     """Error-controlled CENIC, or the discrete `lagged` model as the reference."""
-    accuracy: float = _number(1e-3, 1e-8, 1.0)
+    accuracy: float = number(1e-3, 1e-8, 1.0)
     """CENIC's accuracy."""
-    max_step: float = _number(0.1, 1e-5, 0.1)
+    max_step: float = number(0.1, 1e-5, 0.1)
     """CENIC's longest step."""
-    discrete_period: float = _number(1e-3, 1e-5, 0.02)
+    discrete_period: float = number(1e-3, 1e-5, 0.02)
     """Time step of the discrete model."""
-    hydroelastic_modulus: float = _number(1e7, 1e3, 1e10)
+    hydroelastic_modulus: float = number(1e7, 1e3, 1e10)
     """Of the gripper, Pa."""
-    table_modulus: float = _number(5e7, 1e3, 1e11)
+    table_modulus: float = number(5e7, 1e3, 1e11)
     """Of the table, Pa; an object on a softer one tips well inside its support polygon."""
-    table_margin: float = _number(1e-3, 0.0, 0.01)
+    table_margin: float = number(1e-3, 0.0, 0.01)
     """Distance at which contact with the table is foreseen, m; without it long steps hop."""
-    dissipation: float = _number(50.0, 0.0, 1e4)
+    dissipation: float = number(50.0, 0.0, 1e4)
     """Hunt-Crossley dissipation, s/m."""
     arm_collision: bool = True
     """Whether wrist and forearm can touch table and object."""
@@ -177,11 +151,11 @@ class SimulationConfig:
 class ControlConfig:
     """Tool action and differential inverse kinematics."""
 
-    max_translation: float = _number(0.06, 0.001, 1.0)
+    max_translation: float = number(0.06, 0.001, 1.0)
     """Clip of the action's translation per axis and policy step."""
-    max_rotation: float = _number(0.1, 0.001, 3.0)
+    max_rotation: float = number(0.1, 0.001, 3.0)
     """Clip of the action's axis-angle per axis and policy step, rad."""
-    damping: float = _number(0.01, 1e-6, 1.0)
+    damping: float = number(0.01, 1e-6, 1.0)
     """lambda^2 of the damped least squares."""
 
 
@@ -189,39 +163,39 @@ class ControlConfig:
 class PlannerConfig:
     """The stages that take the tool behind the contact and push."""
 
-    pitch_deg: float = _number(60.0, 10.0, 90.0)
+    pitch_deg: float = number(60.0, 10.0, 90.0)
     """Angle of the tool's axis below the table plane."""
-    wrist_yaw_deg: float = _number(90.0, 0.0, 90.0)
+    wrist_yaw_deg: float = number(90.0, 0.0, 90.0)
     """Angle of the finger row out of the plane of the push; the thesis has 0."""
-    tool_height: float = _number(0.015, 0.0, 0.2)
+    tool_height: float = number(0.015, 0.0, 0.2)
     """Height of the tool tip while it pushes."""
-    approach_height: float = _number(0.18, 0.02, 0.5)
+    approach_height: float = number(0.18, 0.02, 0.5)
     """Height of the tool tip on its way to the point above-behind."""
-    approach_margin: float = _number(0.04, 0.0, 0.2)
+    approach_margin: float = number(0.04, 0.0, 0.2)
     """Distance behind the contact at which the tool comes down."""
-    push_speed: float = _number(0.065, 0.001, 0.6)
+    push_speed: float = number(0.065, 0.001, 0.6)
     """Speed of the tool while it pushes, m/s."""
-    touch_speed: float = _number(0.02, 0.001, 0.6)
-    """Speed of the tool where it may first touch the object, m/s; at most `push_speed`."""
-    free_speed: float = _number(0.30, 0.01, 1.0)
+    touch_speed: float = number(0.02, 0.001, 0.6)
+    """Speed of the tool where it may first touch the object, m/s; a slower push keeps its own."""
+    free_speed: float = number(0.30, 0.01, 1.0)
     """Speed of the tool in free motion, m/s."""
-    turn_rate: float = _number(0.6, 0.01, 3.0)
+    turn_rate: float = number(0.6, 0.01, 3.0)
     """Angular speed of the tool, rad/s."""
-    tracking_gain: float = _number(1.4, 0.1, 5.0)
+    tracking_gain: float = number(1.4, 0.1, 5.0)
     """Action per error of the tool; above 1 because one action is only partly reached."""
-    lateral_gain: float = _number(1.0, 0.0, 5.0)
+    lateral_gain: float = number(1.0, 0.0, 5.0)
     """Share of the lateral error that one centimetre of pushing takes away."""
     reaim: bool = True
     """Whether contact and direction follow the object during a push, or stay as it began."""
-    reapproach_error: float = _number(0.015, 0.001, 0.2)
+    reapproach_error: float = number(0.015, 0.001, 0.2)
     """Lateral error beyond which the tool lets go and comes again."""
-    wait_tilt_deg: float = _number(1.0, 0.0, 90.0)
+    wait_tilt_deg: float = number(1.0, 0.0, 90.0)
     """Tilt of the object from which a push gives way while it grows; 90 is never."""
     reset_period: int = field(default=0, metadata={"range": (0, 100_000)})
     """Policy steps between two resets of the expert (0: never); the thesis has 20."""
-    reset_retreat: float = _number(0.05, 0.0, 0.3)
+    reset_retreat: float = number(0.05, 0.0, 0.3)
     """How far behind the contact the expert's reset retreats."""
-    reset_deviation: float = _number(0.05, 0.0, 0.3)
+    reset_deviation: float = number(0.05, 0.0, 0.3)
     """Half-width of the uniform noise on the retreat, in x and in y."""
 
 
@@ -232,19 +206,19 @@ class VariationConfig:
     Every episode draws its factors uniformly between the two that a field gives.
     """
 
-    size: list[float] = _factors(0.25, 3.0)
+    size: list[float] = factors(0.25, 3.0)
     """Lowest and highest factor on `object.size_ratio`."""
-    mass: list[float] = _factors(0.05, 20.0)
+    mass: list[float] = factors(0.05, 20.0)
     """Factors on `object.mass`."""
-    object_friction: list[float] = _factors(0.0, 3.0)
+    object_friction: list[float] = factors(0.0, 3.0)
     """Factors on `object.friction`."""
-    table_friction: list[float] = _factors(0.0, 3.0)
+    table_friction: list[float] = factors(0.0, 3.0)
     """Factors on `table.friction`."""
-    gripper_friction: list[float] = _factors(0.0, 3.0)
+    gripper_friction: list[float] = factors(0.0, 3.0)
     """Factors on `robot.gripper_friction`."""
-    com_shift: float = _number(0.0, 0.0, 0.1)
+    com_shift: float = number(0.0, 0.0, 0.1)
     """Distance by which the centre of mass moves in a random horizontal direction, m."""
-    com_margin: float = _number(0.005, 0.0, 0.05)
+    com_margin: float = number(0.005, 0.0, 0.05)
     """The shift ends where the centre of mass is this near to the support polygon's edge, m."""
 
 

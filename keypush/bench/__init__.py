@@ -1,1 +1,1 @@
-"""Measurements of speed and truth of the simulation."""
+"""Measurements of speed, and of truth: simulation, policies, networks, training."""

@@ -1,14 +1,14 @@
 """`keypush ablate`: the thesis' ablation of encoder, head and centre of mass."""
 
-import os
-import sys
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
 import tyro
 
+from keypush.cli.data_option import check_data
 from keypush.cli.output import prepare_output_dir
+from keypush.cli.parallel_options import check_positive
 from keypush.errors import UserError
 from keypush.learning.ablation.config import (
     SEEDS,
@@ -16,6 +16,7 @@ from keypush.learning.ablation.config import (
     AblationHead,
 )
 from keypush.learning.pretraining.config import PretrainConfig
+from keypush.worker_environment import usable_cores
 
 
 @dataclass(kw_only=True)
@@ -60,9 +61,10 @@ class Ablate:
         with hold_folder(out):
             from keypush.learning.ablation.report import summary, write_report
             from keypush.learning.ablation.run import run_ablation
+            from keypush.rollout.progress import say
 
-            workers = self.workers or len(os.sched_getaffinity(0))
-            ablation = run_ablation(self.data, out, config, workers, _tell)
+            workers = self.workers or usable_cores()
+            ablation = run_ablation(self.data, out, config, workers, say)
             pages = [out / "ablation.md", *([self.report] if self.report else [])]
             for page in pages:
                 write_report(ablation, page)
@@ -73,12 +75,8 @@ class Ablate:
     def _config(self) -> AblationConfig:
         from keypush.learning.imitation.presets import preset_config
 
-        if not self.data.is_dir():
-            raise UserError(
-                f"--data {self.data}: no such folder; allowed: one of `keypush collect`"
-            )
-        if self.workers is not None and self.workers < 1:
-            raise UserError(f"--workers is {self.workers}; allowed: 1 or more")
+        check_data(self.data)
+        check_positive("workers", self.workers)
         if self.report is not None:
             if self.report.suffix != ".md":
                 raise UserError(f"--report {self.report}: allowed: a file that ends in .md")
@@ -90,9 +88,3 @@ class Ablate:
             head=replace(preset_config(self.head, self.preset), cache=self.head.cache),
             pretraining=self.pretraining,
         )
-
-
-def _tell(line: str) -> None:
-    from tqdm import tqdm
-
-    tqdm.write(f"keypush: {line}", file=sys.stderr)

@@ -9,6 +9,7 @@ import tyro
 
 from keypush.cli.options import OBJECTS, ScenarioOptions, resolve_scenario
 from keypush.errors import UserError
+from keypush.worker_environment import ONE_THREAD
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -116,5 +117,4 @@ def _measure_predictors(
 
 def _use_one_thread() -> None:
     """NumPy reads these when it is imported, which is later than here."""
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ[name] = "1"
+    os.environ.update(ONE_THREAD)

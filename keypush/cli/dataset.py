@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar
 import tyro
 from tyro.conf import subcommand
 
-from keypush.cli.output import prepare_output_dir, write_output
+from keypush.cli.output import check_output_file, prepare_output_dir, write_output
 from keypush.errors import UserError
 
 
@@ -76,8 +76,7 @@ class View:
         from keypush.recording.replay import replay_episode
 
         dataset = open_dataset(self.data)
-        if self.out.is_dir():
-            raise UserError(f"output file {self.out}: is a folder; allowed: a file")
+        check_output_file(self.out)
         write_output(self.out, replay_episode(dataset, self.episode))
         print(f"written: {self.out}")
 

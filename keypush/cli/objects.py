@@ -10,8 +10,7 @@ import tyro
 from tyro.conf import subcommand
 
 from keypush.cli.options import OBJECTS
-from keypush.cli.output import prepare_output_dir, write_output
-from keypush.errors import UserError
+from keypush.cli.output import check_output_file, prepare_output_dir, write_output
 
 if TYPE_CHECKING:
     from keypush.checking.object_checks import Check
@@ -90,9 +89,7 @@ class Sheet:
         from keypush.recording.object_sheet import render_sheet
 
         names = parse_object_list(self.objects)
-        prepare_output_dir(self.out.parent)
-        if self.out.is_dir():
-            raise UserError(f"output file {self.out}: is a folder; allowed: a file")
+        check_output_file(self.out)
         labelled = [
             (make_object(name), f"{name.replace('_', ' ')} ({split_of(name)})") for name in names
         ]

@@ -4,7 +4,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from keypush.atomic_file import write_atomically
+from keypush.atomic_file import write_whole
 from keypush.errors import UserError
 
 if TYPE_CHECKING:
@@ -58,11 +58,19 @@ def write_output(path: Path, content: str | bytes) -> None:
     Raises:
         UserError: the file cannot be written.
     """
+    check_output_file(path)
+    write_whole(path, content.encode() if isinstance(content, str) else content)
+
+
+def check_output_file(path: Path) -> None:
+    """Makes the folder of a file, and proves that the file can be written there.
+
+    Raises:
+        UserError: it cannot.
+    """
     prepare_output_dir(path.parent)
-    try:
-        write_atomically(content.encode() if isinstance(content, str) else content, path)
-    except OSError as error:
-        raise UserError(f"output file {path}: cannot be written: {error.strerror}") from error
+    if path.is_dir():
+        raise UserError(f"output file {path}: is a folder; allowed: a file")
 
 
 def save_scenario(scenario: "Scenario", folder: Path) -> None:

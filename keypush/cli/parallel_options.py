@@ -1,4 +1,4 @@
-"""What `collect` and `evaluate` share: many episodes of many objects, on many workers."""
+"""What `collect`, `evaluate` and `reproduce` share: many episodes, on many workers."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,10 +1,10 @@
 """`keypush train`: networks from collected episodes."""
 
-import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
+from keypush.cli.data_option import check_data
 from keypush.cli.output import prepare_output_dir
 from keypush.errors import UserError
 from keypush.learning.config import TrainingConfig
@@ -59,10 +59,7 @@ class Train:
         return self.network == "surface_keypoint"
 
     def _check(self) -> None:
-        if not self.data.is_dir():
-            raise UserError(
-                f"--data {self.data}: no such folder; allowed: one of `keypush collect`"
-            )
+        check_data(self.data)
         of_heads = {
             "--encoder": self.encoder is not None,
             "--preset": self.preset != "affordable",
@@ -90,10 +87,7 @@ class Train:
         config = preset_config(self.head, self.preset)
         config.validate()
         from keypush.learning.imitation.train import train_imitation
+        from keypush.rollout.progress import say
 
         encoder = self.encoder or _SHIPPED_ENCODER
-        return train_imitation(self.network, self.data, out, encoder, config, _tell)
-
-
-def _tell(line: str) -> None:
-    print(f"keypush: {line}", file=sys.stderr)
+        return train_imitation(self.network, self.data, out, encoder, config, say)

@@ -112,12 +112,15 @@ def _refuse_others(out: Path, job: Path, scenario: Path) -> None:
 
 def _frames_per_second(source: Shards) -> int:
     scenario: dict[str, Any] = source.scenario()
+    found: Any = None
     try:
-        period = float(scenario["episode"]["policy_period"])
+        found = scenario["episode"]["policy_period"]
+        period = float(found)
         fps = round(1 / period)
-    except (KeyError, TypeError, ValueError, ZeroDivisionError) as error:
+    except (KeyError, TypeError, ValueError, ZeroDivisionError, OverflowError) as error:
+        told = "missing" if found is None else repr(found)
         raise UserError(
-            f"{source.folder / 'scenario.yaml'}: episode.policy_period is missing; allowed: the "
+            f"{source.folder / 'scenario.yaml'}: episode.policy_period is {told}; allowed: the "
             "scenario that the job has written"
         ) from error
     if abs(fps * period - 1) > 1e-9:

@@ -1,1 +1,1 @@
-"""Statistics over evaluated episodes."""
+"""Evaluated episodes: run under conditions, recorded, summarised, told."""

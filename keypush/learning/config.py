@@ -3,9 +3,10 @@
 from dataclasses import dataclass, field
 from typing import override
 
+from keypush.checked_fields import choice, number
 from keypush.errors import UserError
 from keypush.learning.kinds import check_sizes
-from keypush.learning.run_config import RunConfig, choice, number
+from keypush.learning.run_config import RunConfig
 from keypush.networks.config import SurfaceConfig
 from keypush.scenario_check import SURFACE_POINTS
 

@@ -1,9 +1,10 @@
 """What a card tells of how weights came about."""
 
+import dataclasses
 import hashlib
 import subprocess
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypush.learning.rows import Rows
+from keypush.learning.run_config import RunConfig
+
+
+def training_record(
+    parameters: int, data: Mapping[str, Any], config: RunConfig, metrics: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Tells how weights came about, for their card.
+
+    Args:
+        parameters: how many numbers were learned.
+        data: what was trained on.
+        config: settings of the training.
+        metrics: what was measured.
+    """
+    return {
+        "parameters": parameters,
+        "git_revision": git_revision(),
+        "command": command_line(),
+        "data": dict(data),
+        "training": dataclasses.asdict(config),
+        "metrics": dict(metrics),
+    }
 
 
 def data_record(rows: Rows, digest: str) -> dict[str, Any]:

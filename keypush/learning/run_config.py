@@ -1,22 +1,12 @@
 """What every training has in common; no torch is needed to read it."""
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
+from keypush.checked_fields import choice, number
 from keypush.scenario_check import LARGEST_SEED, check_values
 
 PRECISIONS = ("32", "bf16")
 ACCELERATORS = ("cpu", "gpu", "auto")
-
-
-def number(default: float, low: float, high: float) -> Any:
-    """A numeric field with its closed range of allowed values."""
-    return field(default=default, metadata={"range": (low, high)})
-
-
-def choice(default: str, allowed: tuple[str, ...]) -> Any:
-    """A field of text with its allowed values."""
-    return field(default=default, metadata={"allowed": allowed})
 
 
 @dataclass(kw_only=True)

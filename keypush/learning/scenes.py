@@ -12,7 +12,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from keypush.dataset.poses import rotations
+from keypush.dataset.poses import hand_states, rotations
 from keypush.learning.clouds import CloudBank
 from keypush.learning.goal_frame import GoalFrames
 from keypush.learning.inference.goal_frame import LENGTH
@@ -75,22 +75,20 @@ class SceneBatch:
 
 def scene_table(rows: Rows, label: NDArray[np.float64]) -> SceneTable:
     """Expresses rows and their labels p_WK (n, 3) in C."""
-    com, tool = rows.com, rows.tool_pose
-    frames = GoalFrames.of(torch.from_numpy(com), torch.from_numpy(rows.goal))
+    frames = GoalFrames.of(torch.from_numpy(rows.com), torch.from_numpy(rows.goal))
     R_CW = frames.R_WG.transpose(1, 2)
 
     def in_frame(p_W: NDArray[np.float64]) -> torch.Tensor:
         return (frames.to_goal(torch.from_numpy(p_W)[:, None])[:, 0] * LENGTH).float()
 
-    axes = np.swapaxes(rotations(tool)[:, :, :2], 1, 2).reshape(-1, 6)
-    hand = frames.hands_to_goal(torch.from_numpy(np.hstack([tool[:, 4:], axes]))).float()
+    hand = frames.hands_to_goal(torch.from_numpy(hand_states(rows.tool_pose))).float()
     hand[:, :3] *= LENGTH
     return SceneTable(
         object_index=torch.from_numpy(rows.object_index),
         R_CO=(R_CW @ torch.from_numpy(rotations(rows.object_pose))).float(),
         p_CO=in_frame(rows.object_pose[:, 4:]),
         goal=in_frame(np.column_stack([rows.goal, np.zeros(len(rows))])),
-        com=in_frame(com),
+        com=in_frame(rows.com),
         hand=hand,
         label=in_frame(label),
     )

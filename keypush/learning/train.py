@@ -14,7 +14,7 @@ from keypush.learning.config import TrainingConfig
 from keypush.learning.labels import make_labels
 from keypush.learning.lightning_run import check_accelerator, fit, one_thread
 from keypush.learning.metrics import evaluate
-from keypush.learning.record import command_line, data_record, digest_of, git_revision
+from keypush.learning.record import data_record, digest_of, training_record
 from keypush.learning.rows import Rows, read_rows
 from keypush.learning.scenes import SceneTable, scene_table
 from keypush.learning.split import Split, split_rows
@@ -54,14 +54,8 @@ def train(data_dir: Path, out_dir: Path, config: TrainingConfig) -> dict[str, An
     fit(module, out_dir, identity, gradient_clip_val=config.max_gradient)
     with one_thread():
         metrics = _final_metrics(module, rows, scenes, split, samplers, config)
-    record = {
-        "parameters": parameter_count(module.network),
-        "git_revision": git_revision(),
-        "command": command_line(),
-        "data": data_record(rows, digest),
-        "training": dataclasses.asdict(config),
-        "metrics": metrics,
-    }
+    parameters = parameter_count(module.network)
+    record = training_record(parameters, data_record(rows, digest), config, metrics)
     save_network(module.network, out_dir / WEIGHTS, record)
     return metrics
 

@@ -63,13 +63,21 @@ class SurfaceConfig:
     """A `SurfaceKeypointNetwork`."""
 
     patches: int = 16
+    """Patches of a cloud, which overlap."""
     patch_size: int = 32
+    """Points of a patch."""
     width: int = 128
+    """Features of a token."""
     patch_width: int = 256
+    """Hidden features of a patch's network."""
     layers: int = 2
+    """Layers of the encoder."""
     heads: int = 4
+    """Heads of the self-attention."""
     query_heads: int = 8
+    """Heads of the cross-attention."""
     point_width: int = 64
+    """Hidden features of the network that looks at single points."""
     use_com: bool = False
     """Whether the true COM is an input, and the origin of frame G; else the cloud's mean is."""
     use_hand: bool = True

@@ -41,7 +41,7 @@ class NetworkInput:
 
 
 def _gelu() -> nn.GELU:
-    # The tanh form: NumPy evaluates it fast, and predict.py runs these weights in NumPy.
+    # The tanh form: NumPy evaluates it fast, and `learning/inference/` runs these weights in it.
     return nn.GELU(approximate="tanh")
 
 

@@ -89,10 +89,32 @@ def support_polygon(vertices: Array, R_WO: RotationMatrix, tolerance: float) -> 
 
 def edge_distance(polygon: Array, point: Array) -> float:
     """Returns how far a point (2,) is inside a convex anticlockwise polygon, m; < 0 outside."""
-    edge = np.roll(polygon, -1, axis=0) - polygon
-    inwards = np.column_stack([-edge[:, 1], edge[:, 0]])
-    inwards /= np.linalg.norm(inwards, axis=1, keepdims=True)
-    return float(np.min(np.sum(inwards * (point - polygon), axis=1)))
+    return float(np.min(edge_gaps(polygon, point)[1]))
+
+
+def edge_gaps(polygon: Array, point: Array) -> tuple[Array, Array]:
+    """Looks from a point (2,) at the sides of a convex anticlockwise polygon (k, 2).
+
+    Returns:
+        The sides' outward unit normals (k, 2), and how far inside of each the point is, (k,), m.
+    """
+    side = np.roll(polygon, -1, axis=0) - polygon
+    normals = np.column_stack([side[:, 1], -side[:, 0]])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals, np.sum(normals * (polygon - point), axis=1)
+
+
+def room(normals: Array, gaps: Array, u: Array) -> float:
+    """Returns how far one can go along u (2,) before one of the gaps (k,) is used up, m.
+
+    Args:
+        normals: (k, 2) outward, of what bounds the way.
+        gaps: distances to it, not negative, m.
+        u: unit vector.
+    """
+    rates = normals @ u
+    ahead = rates > 1e-9
+    return float(np.min(gaps[ahead] / rates[ahead]))
 
 
 def _planes_by_area(vertices: Array, hull: ConvexHull) -> list[tuple[Array, float]]:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from keypush.objects.model import ObjectModel
+from keypush.objects.resting import edge_gaps, room
 from keypush.scenario import VARIED_FIELDS, Scenario
 from keypush.seeding import make_generator
 
@@ -107,7 +108,7 @@ def shift_com(model: ObjectModel, offset: Array, margin: float) -> VariedObject:
     if wanted == 0.0:
         return VariedObject(model, np.zeros(2), com_capped=False)
     u = np.asarray(offset) / wanted
-    reach = _room(*_hull_gaps(model), u)
+    reach = room(*_hull_gaps(model), u)
     allowed = min(_standing_room(model, u, margin), MOST_OF_REACH * reach)
     if allowed == 0.0:
         return VariedObject(model, np.zeros(2), com_capped=True)
@@ -124,29 +125,13 @@ def shift_com(model: ObjectModel, offset: Array, margin: float) -> VariedObject:
 
 def _standing_room(model: ObjectModel, u: Array, margin: float) -> float:
     """How far the centre of mass may move along u (2,) inside the support polygon, m."""
-    normals, gaps = _support_gaps(model)
+    normals, gaps = edge_gaps(model.support_polygon, model.p_OoOcm_O[:2])
     if gaps.min() < margin:
         return 0.0
-    return _room(normals, gaps - margin, u)
-
-
-def _support_gaps(model: ObjectModel) -> tuple[Array, Array]:
-    """Outward normals (k, 2) of the support polygon's sides, and how far inside the COM is."""
-    polygon = model.support_polygon
-    side = np.roll(polygon, -1, axis=0) - polygon
-    normals = np.column_stack([side[:, 1], -side[:, 0]])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return normals, np.sum(normals * (polygon - model.p_OoOcm_O[:2]), axis=1)
+    return room(normals, gaps - margin, u)
 
 
 def _hull_gaps(model: ObjectModel) -> tuple[Array, Array]:
     """Horizontal parts (f, 2) of the convex hull's outward normals, and the COM's depths (f,)."""
     equations = ConvexHull(model.vertices).equations
     return equations[:, :2], -(equations[:, :3] @ model.p_OoOcm_O + equations[:, 3])
-
-
-def _room(normals: Array, gaps: Array, u: Array) -> float:
-    """How far one can go along u before a gap is used up; `gaps` are not negative, m."""
-    rates = normals @ u
-    ahead = rates > 1e-9
-    return float(np.min(gaps[ahead] / rates[ahead]))

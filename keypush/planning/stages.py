@@ -54,6 +54,7 @@ objects lean on the finger while they are pushed, and would never arrive."""
 _LOW_PATH_BEHIND = 0.02
 _LOW_PATH_BESIDE = 0.06
 _RETREAT_STEPS = 15
+_RETREATED = 0.01
 _CLEAR = 0.025
 """A retreat goes at least so far behind the contact, m: a tool that rises while it still touches
 the object lifts it."""
@@ -286,7 +287,7 @@ class PushStages:
 
     def _after_retreat(self, state: PlanState, seen: PushObservation) -> PlanState:
         p_WE = seen.X_WE.translation()
-        if np.linalg.norm(p_WE - state.p_WT) > 0.01 and state.steps < _RETREAT_STEPS:
+        if np.linalg.norm(p_WE - state.p_WT) > _RETREATED and state.steps < _RETREAT_STEPS:
             return state
         off = p_WE - seen.p_WK
         behind = off @ seen.d_W < -_LOW_PATH_BEHIND

@@ -11,6 +11,7 @@ from pydrake.perception import PointCloud
 from keypush.objects.model import ObjectModel
 from keypush.recording.page import dress_page
 from keypush.recording.recorder import make_meshcat
+from keypush.seeding import make_generator
 
 _COM_COLOUR = Rgba(0.86, 0.10, 0.20, 1.0)
 _POINT_COLOUR = Rgba(0.02, 0.04, 0.16, 1.0)
@@ -56,7 +57,9 @@ def _draw(meshcat: Meshcat, model: ObjectModel) -> None:
         wireframe=True,
     )
     cloud = PointCloud(_CLOUD_POINTS)
-    cloud.mutable_xyzs()[:] = model.surface_points(_CLOUD_POINTS, np.random.default_rng(0)).T
+    cloud.mutable_xyzs()[:] = model.surface_points(
+        _CLOUD_POINTS, make_generator(0, 0, "object_page")
+    ).T
     meshcat.SetObject("/cloud", cloud, 0.02 * size, _POINT_COLOUR)
     meshcat.SetObject("/centre_of_mass", Sphere(0.06 * size), _COM_COLOUR)
     meshcat.SetTransform("/centre_of_mass", RigidTransform(model.p_OoOcm_O))

@@ -24,4 +24,6 @@ class Box:
 
 
 PALM = Box((0.0, 0.0, -0.0834), (0.055, 0.204, 0.092))
+"""The hand without its fingers."""
 FINGERS = Box((0.0, 0.0, -0.0147), (0.020, 0.035, 0.047))
+"""Both, closed."""

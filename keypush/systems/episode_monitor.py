@@ -75,7 +75,7 @@ class EpisodeMonitor(LeafSystem):
     whether the goal still held `settle_time` after the tool's stop (0 or 1).
 
     Success (thesis, section 4.1): Oo within `goal_radius` of the goal in xy, upright, on
-    the table. Upright: tilt below `max_tilt`, and height changes of COM and of the reference
+    the table. Upright: tilt below `max_tilt_deg`, and height changes of COM and of the reference
     points (corners of the object's bounding box) below `max_height_change`.
     All against the
     pose at initialisation. An object whose COM is below the table top, or beyond its edges

@@ -133,10 +133,10 @@ def test_where_the_arm_gets_stuck_in_all_it_is_the_preferred_one() -> None:
     assert posture == Posture(1, PITCH, HEIGHTS[0])
 
 
-def test_of_two_sides_the_one_with_fewer_steps_is_taken() -> None:
-    for quick in (1, -1):
-        posture, _ = choose_posture(
-            ARM, READY, LEFT, PUSH, [PITCH], HEIGHTS, YAW,
-            steps=lambda posture, quick=quick: 30 - 10 * (posture.side == quick),
-        )  # fmt: skip
-        assert posture.side == quick
+@pytest.mark.parametrize("quick", [1, -1])
+def test_of_two_sides_the_one_with_fewer_steps_is_taken(quick: int) -> None:
+    def steps(posture: Posture) -> int:
+        return 20 if posture.side == quick else 30
+
+    posture, _ = choose_posture(ARM, READY, LEFT, PUSH, [PITCH], HEIGHTS, YAW, steps=steps)
+    assert posture.side == quick

@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from keypush.checked_fields import number
 from keypush.errors import UserError
 from keypush.learning.ablation.settings import Setting, Shape
 from keypush.learning.imitation.config import ImitationConfig
 from keypush.learning.pretraining.config import PretrainConfig
-from keypush.learning.run_config import number
 from keypush.objects.catalogue import catalogue_names
 from keypush.scenario_check import LARGEST_SEED
 

@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 from typing import override
 
+from keypush.checked_fields import choice, number
 from keypush.errors import UserError
 from keypush.learning.config import DataConfig
-from keypush.learning.run_config import PRECISIONS, choice, number
+from keypush.learning.run_config import PRECISIONS
 from keypush.networks.config import WIDTH
 
 

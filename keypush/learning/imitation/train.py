@@ -24,7 +24,7 @@ from keypush.learning.imitation.targets import make_targets
 from keypush.learning.imitation.token_cache import FOLDER, cache_tokens
 from keypush.learning.imitation.token_source import FreshTokens, TokenSource
 from keypush.learning.lightning_run import check_accelerator, fit, one_thread, refuse_other_run
-from keypush.learning.record import command_line, data_record, digest_of, git_revision
+from keypush.learning.record import data_record, digest_of, training_record
 from keypush.learning.rows import Rows, read_rows
 from keypush.learning.tensors import encoder_record
 from keypush.networks.config import KeypointConfig
@@ -103,18 +103,11 @@ def train_imitation(
             else FreshTokens(data.examples, network.encoder, config)
         )
     metrics = train_head(network, data, tokens, out_dir, config, identity)
+    taught = {**data_record(rows, data.digest), "trained_rows": len(data.selection.train)}
     record = {
-        "parameters": parameter_count(network.head),
-        "git_revision": git_revision(),
-        "command": command_line(),
+        **training_record(parameter_count(network.head), taught, config, metrics),
         "encoder": standing_on,
         "action_clips": dataclasses.asdict(data.clips),
-        "data": {
-            **data_record(rows, data.digest),
-            "trained_rows": len(data.selection.train),
-        },
-        "training": dataclasses.asdict(config),
-        "metrics": metrics,
     }
     _put_beside(encoder_path, out_dir)
     save_network(network, out_dir / f"{kind}.safetensors", record)

@@ -3,9 +3,10 @@
 from dataclasses import dataclass, field
 from typing import override
 
-from keypush.errors import UserError
-from keypush.learning.run_config import PRECISIONS, RunConfig, choice, number
-from keypush.networks.config import CLOUD_POINTS, WIDTH, EncoderConfig
+from keypush.checked_fields import choice, number
+from keypush.learning.kinds import check_sizes
+from keypush.learning.run_config import PRECISIONS, RunConfig
+from keypush.networks.config import EncoderConfig
 
 
 @dataclass(kw_only=True)
@@ -55,12 +56,4 @@ class PretrainConfig(RunConfig):
             UserError: names the field, what it holds and what is allowed.
         """
         super().validate()
-        encoder = self.encoder
-        for name, whole in (("patch_size", CLOUD_POINTS), ("heads", WIDTH)):
-            value = getattr(encoder, name)
-            if value < 1 or whole % value:
-                raise UserError(f"encoder.{name} is {value}; allowed: divisors of {whole}")
-        if not 1 <= encoder.layers <= 16:
-            raise UserError(f"encoder.layers is {encoder.layers}; allowed: 1 to 16")
-        if not 0.0 <= encoder.dropout <= 0.9:
-            raise UserError(f"encoder.dropout is {encoder.dropout}; allowed: 0.0 to 0.9")
+        check_sizes(self.encoder, "encoder.")

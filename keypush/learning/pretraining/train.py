@@ -14,7 +14,7 @@ from keypush.learning.pretraining.contact_objects import contact_objects
 from keypush.learning.pretraining.contact_scenes import ContactBatches
 from keypush.learning.pretraining.module import ContactModule
 from keypush.learning.pretraining.scores import score_network
-from keypush.learning.record import command_line, git_revision
+from keypush.learning.record import training_record
 from keypush.networks.contact_network import ContactNetwork
 from keypush.objects.library import load_object, parse_object_list
 
@@ -56,18 +56,15 @@ def pretrain(
     fit(module, out_dir, identity, gradient_clip_val=config.max_gradient)
     with one_thread():
         scores = _final_scores(module.contact, sets, config)
+    taught = {
+        "objects": sorted(names),
+        "seeds": [config.seed],
+        "samples": len(module.history) * config.samples_per_epoch,
+    }
+    metrics = {"history": module.history, **scores}
     record = {
-        "parameters": parameter_count(module.contact),
-        "git_revision": git_revision(),
-        "command": command_line(),
-        "data": {
-            "objects": sorted(names),
-            "seeds": [config.seed],
-            "samples": len(module.history) * config.samples_per_epoch,
-        },
-        "training": dataclasses.asdict(config),
+        **training_record(parameter_count(module.contact), taught, config, metrics),
         "samples_per_second": round(median(e["samples_per_second"] for e in module.history)),
-        "metrics": {"history": module.history, **scores},
     }
     save_network(module.contact, out_dir / WEIGHTS, record)
     return scores
