@@ -37,8 +37,9 @@ class PlanState:
     steps: int = 0
     """Policy steps spent in the stage."""
     strikes: int = 0
-    """Consecutive steps of a push with too large a lateral error, or of settling in place; of
-    a tool that rises because it was stuck, 1."""
+    """Consecutive steps of a push with too large a lateral error, or of settling in place."""
+    barred: bool = False
+    """Whether the tool rises because it was stuck on its way."""
     jammed: int = 0
     """Consecutive steps of a push in which the tool is held too high to push."""
     stalled: int = 0
@@ -62,13 +63,13 @@ class PlanState:
     tilt: float = 0.0
     """Of the object in the last step, rad."""
 
-    SIZE = 23
+    SIZE = 24
 
     def to_vector(self) -> Array:
         """Packs the state for a Context."""
         quaternion = self.R_WR.ToQuaternion().wxyz()
         posture = [self.posture.side, self.posture.pitch, self.posture.height]
-        counts = [self.stage, self.steps, self.strikes, self.jammed, self.stalled]
+        counts = [self.stage, self.steps, self.strikes, self.barred, self.jammed, self.stalled]
         waits = [self.waiting, self.waits, self.touching]
         last = [self.nearest, self.tilt]
         return np.concatenate([counts, waits, posture, quaternion, self.p_WR, self.p_WT, last])
@@ -80,17 +81,18 @@ class PlanState:
             stage=Stage(round(x[0])),
             steps=round(x[1]),
             strikes=round(x[2]),
-            jammed=round(x[3]),
-            stalled=round(x[4]),
-            waiting=round(x[5]),
-            waits=round(x[6]),
-            touching=round(x[7]),
-            posture=Posture(round(x[8]), float(x[9]), float(x[10])),
-            R_WR=RotationMatrix(Quaternion(x[11:15])),
-            p_WR=np.array(x[15:18]),
-            p_WT=np.array(x[18:21]),
-            nearest=float(x[21]),
-            tilt=float(x[22]),
+            barred=bool(round(x[3])),
+            jammed=round(x[4]),
+            stalled=round(x[5]),
+            waiting=round(x[6]),
+            waits=round(x[7]),
+            touching=round(x[8]),
+            posture=Posture(round(x[9]), float(x[10]), float(x[11])),
+            R_WR=RotationMatrix(Quaternion(x[12:16])),
+            p_WR=np.array(x[16:19]),
+            p_WT=np.array(x[19:22]),
+            nearest=float(x[22]),
+            tilt=float(x[23]),
         )
 
     @staticmethod

@@ -41,8 +41,7 @@ def choose_posture(
     q: Array,
     d_W: Array,
     waypoints: Sequence[Array],
-    pitches: Sequence[float],
-    heights: Sequence[float],
+    candidates: Sequence[tuple[float, float]],
     wrist_yaw: float,
     sides: Sequence[int] = (1, -1),
     steps: Callable[[Posture], int | None] | None = None,
@@ -58,8 +57,8 @@ def choose_posture(
         q: (7,) joint positions to start from, rad.
         d_W: (3,) horizontal unit vector of the push.
         waypoints: (3,) positions of the tool in W: behind the contact, end of the push.
-        pitches: angles to try, the preferred one first, rad.
-        heights: heights over the first waypoint to come down from, likewise, m.
+        candidates: pitches in rad and heights over the first waypoint to come down from in m, the
+            preferred ones first.
         wrist_yaw: see `tool_rotation`, rad.
         sides: those to choose from.
         steps: tells how many steps a posture takes that the arm reaches; None where it gets stuck.
@@ -68,27 +67,26 @@ def choose_posture(
         The posture and what is left of its error, m (a tenth of it for rad); below `REACHED`
         where the arm reaches all and gets there.
     """
-    best, least = Posture(sides[0], pitches[0], heights[0]), np.inf
-    for pitch in pitches:
-        for height in heights:
-            above = np.array([waypoints[0][0], waypoints[0][1], height])
-            reached = []
-            for side in sides:
-                R_WE = tool_rotation(d_W, pitch, side, wrist_yaw)
-                bound = max(least, REACHED)
-                error, travel = _try_waypoints(arm, q, [above, *waypoints], R_WE, bound)
-                posture = Posture(side, pitch, height)
-                way: float | None = travel
-                if steps and error < REACHED:
-                    way = steps(posture)
-                    error = REACHED if way is None else error
-                if error < REACHED and way is not None:
-                    reached.append((way, side, error))
-                elif error < least:
-                    best, least = posture, error
-            if reached:
-                _, side, error = min(reached)
-                return Posture(side, pitch, height), error
+    best, least = Posture(sides[0], *candidates[0]), np.inf
+    for pitch, height in candidates:
+        above = np.array([waypoints[0][0], waypoints[0][1], height])
+        reached = []
+        for side in sides:
+            posture = Posture(side, pitch, height)
+            R_WE = tool_rotation(d_W, pitch, side, wrist_yaw)
+            bound = max(least, REACHED)
+            error, travel = _try_waypoints(arm, q, [above, *waypoints], R_WE, bound)
+            way: float | None = travel
+            if steps and error < REACHED:
+                way = steps(posture)
+                error = REACHED if way is None else error
+            if error < REACHED and way is not None:
+                reached.append((way, side, error))
+            elif error < least:
+                best, least = posture, error
+        if reached:
+            _, side, error = min(reached)
+            return Posture(side, pitch, height), error
     return best, least
 
 

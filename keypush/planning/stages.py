@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,6 +144,7 @@ class PushStages:
             stage=stage,
             steps=0,
             strikes=0,
+            barred=False,
             jammed=0,
             stalled=0,
             waiting=0,
@@ -169,8 +171,7 @@ class PushStages:
             seen.q,
             seen.d_W,
             [start, end],
-            pitches,
-            heights,
+            list(product(pitches, heights)),
             self._wrist_yaw,
             sides,
             steps,
@@ -186,7 +187,7 @@ class PushStages:
     def _rehearsed_posture(self, state: PlanState, seen: PushObservation) -> Posture:
         """From the other side after a barred way, where the arm reaches all from there."""
         steps = partial(self._steps_to_push, state, seen)
-        if state.strikes:
+        if state.barred:
             sides = (-state.posture.side,)
             posture, error = self._choose_posture(seen, self._pitches, sides=sides, steps=steps)
             if error < REACHED:
@@ -223,8 +224,8 @@ class PushStages:
         return self._try_anew(state) if state.steps > _STUCK else state
 
     def _try_anew(self, state: PlanState) -> PlanState:
-        """Rises, and marks that this side's way is barred."""
-        return replace(self._enter(state, Stage.RISE), strikes=1)
+        """Rises, and remembers that this side's way is barred."""
+        return replace(self._enter(state, Stage.RISE), barred=True)
 
     def _after_settle(self, state: PlanState, seen: PushObservation) -> PlanState:
         off = seen.X_WE.translation() - self._reference.behind(state, seen)

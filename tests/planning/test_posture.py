@@ -1,5 +1,7 @@
 """Inverse kinematics and the choice of the tool's posture."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -16,6 +18,7 @@ LOW, HIGH = np.array(ROBOT.start_lower), np.array(ROBOT.start_upper)
 PITCH = float(np.deg2rad(PLANNER.pitch_deg))
 YAW = float(np.deg2rad(PLANNER.wrist_yaw_deg))
 HEIGHTS = [PLANNER.approach_height, PLANNER.approach_height / 2]
+CANDIDATES = list(product([PITCH, PITCH + 0.1], HEIGHTS))
 
 
 def test_poses_that_the_arm_has_are_found_from_elsewhere() -> None:
@@ -52,7 +55,7 @@ def test_a_push_on_the_table_has_a_posture_that_the_arm_reaches(angle: float, xy
     d_W = np.array([np.cos(angle), np.sin(angle), 0.0])
     start = np.array([*xy, PLANNER.tool_height])
     waypoints = [start, start + 0.05 * d_W]
-    posture, error = choose_posture(ARM, READY, d_W, waypoints, [PITCH, PITCH + 0.1], HEIGHTS, YAW)
+    posture, error = choose_posture(ARM, READY, d_W, waypoints, CANDIDATES, YAW)
     assert error < REACHED
     assert posture.side in (1, -1)
     assert posture.pitch in (PITCH, PITCH + 0.1)
@@ -68,7 +71,7 @@ def test_the_preferred_posture_is_taken_where_it_can_be() -> None:
     d_W = np.array([1.0, 0.0, 0.0])
     start = np.array([0.0, 0.0, PLANNER.tool_height])
     waypoints = [start, start + 0.05 * d_W]
-    posture, error = choose_posture(ARM, READY, d_W, waypoints, [PITCH, PITCH + 0.1], HEIGHTS, YAW)
+    posture, error = choose_posture(ARM, READY, d_W, waypoints, CANDIDATES, YAW)
     assert error < REACHED
     assert (posture.pitch, posture.height) == (PITCH, HEIGHTS[0])
 
@@ -85,9 +88,7 @@ def test_the_side_with_the_shorter_way_is_taken(wrist: float, nearer: int) -> No
         there, error = solve_ik(ARM, q, RigidTransform(tool_rotation(d_W, PITCH, side), above))
         assert error < 0.005
         ways[side] = float(np.abs(there - q).max())
-    posture, error = choose_posture(
-        ARM, q, d_W, [start, start + 0.05 * d_W], [PITCH], HEIGHTS[:1], YAW
-    )
+    posture, error = choose_posture(ARM, q, d_W, [start, start + 0.05 * d_W], CANDIDATES[:1], YAW)
     assert error < REACHED
     assert ways[nearer] < ways[-nearer]
     assert posture.side == nearer
@@ -96,7 +97,7 @@ def test_the_side_with_the_shorter_way_is_taken(wrist: float, nearer: int) -> No
 def test_out_of_reach_the_least_bad_posture_is_taken() -> None:
     d_W = np.array([1.0, 0.0, 0.0])
     far = np.array([3.0, 0.0, PLANNER.tool_height])
-    posture, error = choose_posture(ARM, READY, d_W, [far, far + d_W], [PITCH], HEIGHTS[:1], YAW)
+    posture, error = choose_posture(ARM, READY, d_W, [far, far + d_W], CANDIDATES[:1], YAW)
     assert error > 1.0
     assert posture.side in (1, -1)
     assert posture.pitch == PITCH
@@ -113,30 +114,17 @@ def test_a_side_on_which_the_arm_gets_stuck_is_not_taken(free: int) -> None:
     def steps(posture: Posture) -> int | None:
         return 20 if posture.side == free else None
 
-    posture, error = choose_posture(
-        ARM, READY, LEFT, PUSH, [PITCH, PITCH + 0.1], HEIGHTS, YAW, steps=steps
-    )
+    posture, error = choose_posture(ARM, READY, LEFT, PUSH, CANDIDATES, YAW, steps=steps)
     assert error < REACHED
     assert posture == Posture(free, PITCH, HEIGHTS[0])
     only, error = choose_posture(
-        ARM, READY, LEFT, PUSH, [PITCH], HEIGHTS, YAW, sides=(-free,), steps=steps
+        ARM, READY, LEFT, PUSH, CANDIDATES[:2], YAW, sides=(-free,), steps=steps
     )
     assert error == REACHED
     assert only.side == -free
 
 
 def test_where_the_arm_gets_stuck_in_all_it_is_the_preferred_one() -> None:
-    posture, error = choose_posture(
-        ARM, READY, LEFT, PUSH, [PITCH, PITCH + 0.1], HEIGHTS, YAW, steps=lambda _: None
-    )
+    posture, error = choose_posture(ARM, READY, LEFT, PUSH, CANDIDATES, YAW, steps=lambda _: None)
     assert error == REACHED
     assert posture == Posture(1, PITCH, HEIGHTS[0])
-
-
-@pytest.mark.parametrize("quick", [1, -1])
-def test_of_two_sides_the_one_with_fewer_steps_is_taken(quick: int) -> None:
-    def steps(posture: Posture) -> int:
-        return 20 if posture.side == quick else 30
-
-    posture, _ = choose_posture(ARM, READY, LEFT, PUSH, [PITCH], HEIGHTS, YAW, steps=steps)
-    assert posture.side == quick
