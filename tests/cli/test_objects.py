@@ -84,7 +84,7 @@ def test_a_sheet_shows_what_it_is_asked_for(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["show", "mug", "--out", "."], "output file mug.png: cannot be written: Is a directory"),
+        (["show", "mug", "--out", "."], "output file mug.png: is a folder; allowed: a file"),
         (["sheet", "--objects", "mug", "--out", "/dev/full"], "cannot be written: No space left"),
     ],
 )

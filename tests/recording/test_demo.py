@@ -49,5 +49,5 @@ def test_a_file_that_cannot_be_written_is_one_line(
     (tmp_path / "scenario.yaml").mkdir()
     assert main(["demo", *SHORT, "--out", str(tmp_path)]) == 2
     path = tmp_path / "scenario.yaml"
-    expected = f"keypush: output file {path}: cannot be written: Is a directory\n"
+    expected = f"keypush: output file {path}: is a folder; allowed: a file\n"
     assert capsys.readouterr().err == expected
