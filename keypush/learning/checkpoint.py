@@ -11,7 +11,8 @@ from safetensors.torch import save
 from torch import nn
 
 from keypush.atomic_file import write_whole
-from keypush.learning.card import weights_path
+from keypush.errors import UserError
+from keypush.learning.card import read_card, weights_path
 from keypush.learning.kinds import read_sizes
 from keypush.learning.tensors import ENCODER, Tensors
 from keypush.networks.contact_network import ContactNetwork
@@ -30,6 +31,9 @@ NETWORKS: Mapping[str, type[nn.Module]] = {
 def save_network(network: nn.Module, path: Path, record: Mapping[str, Any]) -> None:
     """Writes weights and their description; each file appears whole or not at all.
 
+    Where the same weights lie there already, the description keeps who made them: a finished
+    training that is started once more makes nothing.
+
     Args:
         network: one of `NETWORKS`.
         path: of the `.safetensors` file.
@@ -38,11 +42,21 @@ def save_network(network: nn.Module, path: Path, record: Mapping[str, Any]) -> N
     """
     kind = next(name for name, known in NETWORKS.items() if type(network) is known)
     config: Any = network.config
-    description = {"kind": kind, "network": dataclasses.asdict(config), **record}
     elsewhere = ENCODER if "encoder" in record else ()
     state = network.state_dict().items()
-    write_whole(path, save({k: v.contiguous() for k, v in state if not k.startswith(elsewhere)}))
+    content = save({k: v.contiguous() for k, v in state if not k.startswith(elsewhere)})
+    made_by = _made_by(path) if path.is_file() and path.read_bytes() == content else {}
+    description = {"kind": kind, "network": dataclasses.asdict(config), **record, **made_by}
+    write_whole(path, content)
     write_whole(path.with_suffix(".json"), (json.dumps(description, indent=2) + "\n").encode())
+
+
+def _made_by(path: Path) -> dict[str, Any]:
+    try:
+        card = read_card(path)
+    except UserError:
+        return {}
+    return {name: card[name] for name in ("git_revision", "command") if name in card}
 
 
 def load_network[Network: nn.Module](name_or_path: str | Path, wanted: type[Network]) -> Network:

@@ -63,6 +63,23 @@ def test_the_card_tells_how_it_came_about(
     assert {"command", "git_revision", "training", "network"} <= card.keys()
 
 
+def test_a_finished_training_started_again_was_made_by_whom_it_was(
+    encoder: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "keypoint.json"
+    train("keypoint", tmp_path, encoder, epochs=1)
+    made = json.loads(path.read_text()) | {
+        "git_revision": "earlier",
+        "command": ["keypush", "of old"],
+    }
+    path.write_text(json.dumps(made))
+    train("keypoint", tmp_path, encoder, epochs=1)
+    assert json.loads(path.read_text()) == made
+    (tmp_path / "keypoint.safetensors").unlink()
+    train("keypoint", tmp_path, encoder, epochs=1)
+    assert json.loads(path.read_text())["git_revision"] != "earlier"
+
+
 @pytest.mark.parametrize("cache", [True, False])
 def test_resumed_run_ends_with_the_same_bits(
     cache: bool, encoder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
