@@ -47,7 +47,7 @@ class PushEnv(gymnasium.Env[Observation, NDArray[Any]]):
     keypoint p_WK (3,) at which keypush's planner pushes; beyond the space's bounds it is clipped.
     Reward: 1 for success, plus the difference of a potential if wanted; see `Reward`.
     Terminated: success, or the object toppled or fell. Truncated: after `episode.max_steps`.
-    Info: outcome, success, distance, steps, object, seed, episode.
+    Info: outcome, success, distance, steps, object, seed, episode_number.
 
     The episodes are those of keypush: seed, object and number say which. `docs/gymnasium.md`
     tells more.
@@ -212,7 +212,7 @@ class PushEnv(gymnasium.Env[Observation, NDArray[Any]]):
             "steps": running.steps,
             "object": running.scenario.object.name,
             "seed": self._scenario.seed,
-            "episode": self._episode,
+            "episode_number": self._episode,
         }
 
 

@@ -8,7 +8,9 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import AsyncVectorEnv
+from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
+from gymnasium.wrappers import RecordEpisodeStatistics
+from gymnasium.wrappers.vector import RecordEpisodeStatistics as VectorStatistics
 
 from keypush.environments import ENVIRONMENT_ID
 from keypush.environments.push_env import PushEnv
@@ -40,9 +42,21 @@ def test_two_processes_step_as_one_alone_does() -> None:
                 np.testing.assert_array_equal(observations[name][index], value)
         # The next episode begins by itself.
         _, _, _, _, info = vector.step(np.full((2, 6), 0.02))
-        assert list(info["episode"]) == [1, 1]
+        assert list(info["episode_number"]) == [1, 1]
     finally:
         vector.close()
+
+
+def test_wrappers_that_count_rewards_work() -> None:
+    single = RecordEpisodeStatistics(_make())
+    vector = VectorStatistics(SyncVectorEnv([_make, _make]))
+    for environment, action in ((single, np.zeros(6)), (vector, np.zeros((2, 6)))):
+        environment.reset(seed=0)
+        for _ in range(3):
+            info = environment.step(action)[4]
+        assert np.all(np.asarray(info["episode"]["l"]) == 3)
+        assert np.all(np.asarray(info["episode_number"]) == 0)
+        environment.close()
 
 
 @pytest.mark.parametrize("name", ["mug", "block"])

@@ -84,15 +84,15 @@ def test_the_same_seed_gives_the_same_episodes(environment: PushEnv) -> None:
 
 def test_episodes_are_counted_on_and_can_be_chosen(environment: PushEnv) -> None:
     _, info = environment.reset(seed=1)
-    assert (info["seed"], info["episode"]) == (1, 0)
+    assert (info["seed"], info["episode_number"]) == (1, 0)
     second, info = environment.reset()
-    assert info["episode"] == 1
+    assert info["episode_number"] == 1
     _, info = environment.reset(options={"episode": np.int64(7)})
-    assert info["episode"] == 7
+    assert info["episode_number"] == 7
     _, info = environment.reset()
-    assert info["episode"] == 8
+    assert info["episode_number"] == 8
     again, info = environment.reset(seed=1, options={"episode": 1})
-    assert info["episode"] == 1
+    assert info["episode_number"] == 1
     assert _same(again, second)
 
 
