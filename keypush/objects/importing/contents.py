@@ -29,7 +29,7 @@ def read_contents(path: Path) -> bytes:
             json.loads(data)
         except (ValueError, RecursionError) as error:
             raise UserError(f"{path}: cannot be read as glTF: {one_line(error)}") from error
-    if path.suffix.lower() == ".stl" and b"facet" not in data[:_STL_BEGINNING]:
+    if path.suffix.lower() == ".stl" and b"facet" not in data[:_STL_BEGINNING].lower():
         return _whole_stl(path, data)
     return data
 

@@ -40,6 +40,12 @@ def test_every_format_gives_the_same_mesh(form: str, tmp_path: Path) -> None:
     np.testing.assert_allclose(read.bounds, mesh.bounds, atol=1e-5)
 
 
+def test_a_text_stl_may_be_written_in_capitals(tmp_path: Path) -> None:
+    path = export(sphere(), tmp_path / "sphere", "ascii.stl")
+    path.write_text(path.read_text().upper())
+    assert read_mesh(path).mesh.volume == pytest.approx(sphere().volume, rel=1e-5)
+
+
 def test_the_extension_may_be_upper_case(tmp_path: Path) -> None:
     path = export(sphere(), tmp_path / "sphere", "stl").rename(tmp_path / "SPHERE.STL")
     assert len(read_mesh(path).mesh.faces) == 320
