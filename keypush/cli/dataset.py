@@ -101,7 +101,11 @@ class Export:
 
         dataset = open_dataset(self.data)
         check_export(dataset, self.out)
-        export_clouds(dataset, prepare_output_dir(self.out))
+        from keypush.rollout.folder_lock import hold_folder
+
+        out = prepare_output_dir(self.out)
+        with hold_folder(out):
+            export_clouds(dataset, out)
         print(f"{len(dataset.episodes)} episodes, {dataset.frames} frames in {self.out}")
 
 

@@ -123,9 +123,18 @@ def _frames_per_second(source: Shards) -> int:
             f"{source.folder / 'scenario.yaml'}: episode.policy_period is {told}; allowed: the "
             "scenario that the job has written"
         ) from error
-    if abs(fps * period - 1) > 1e-9:
-        raise UserError(
-            f"{source.folder / 'scenario.yaml'}: episode.policy_period is {period:g}; allowed in "
-            "a data set: 1 s divided by a whole number, because it has frames per second"
-        )
+    check_policy_period(period)
     return fps
+
+
+def check_policy_period(period: float) -> None:
+    """Checks that a data set can have frames so many seconds apart.
+
+    Raises:
+        UserError: it cannot.
+    """
+    if abs(round(1 / period) * period - 1) > 1e-9:
+        raise UserError(
+            f"episode.policy_period is {period:g}; allowed in a data set: 1 s divided by a whole "
+            "number, because it has frames per second"
+        )

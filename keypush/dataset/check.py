@@ -14,6 +14,7 @@ from keypush.dataset.features import CLOUD
 from keypush.dataset.job_file import read_job
 from keypush.dataset.keypoint import keypoints
 from keypush.dataset.layout import DATA_PATH
+from keypush.dataset.own_objects import changed_objects
 from keypush.dataset.poses import POSES, QUATERNION_ERROR, quaternion_errors, rotations
 from keypush.dataset.read import DataSet
 from keypush.objects.library import make_object
@@ -66,6 +67,7 @@ def check_dataset(dataset: DataSet) -> dict[str, Check]:
         "episodes": _every_episode_once(dataset),
         "lengths": _lengths(dataset.episodes, dataset.frames),
         "files": _files(dataset),
+        "objects": _own_objects(dataset),
     }
     if not checks["lengths"].ok:
         return checks
@@ -101,6 +103,12 @@ def _every_episode_once(dataset: DataSet) -> Check:
         f"{len(found)} episodes, {len(set(found) & set(expected))} of the job's",
         f"the {len(expected)} of meta/job.yaml, each once, in its order",
     )
+
+
+def _own_objects(dataset: DataSet) -> Check:
+    changed = changed_objects(dataset)
+    found = f"other files of {', '.join(changed)}" if changed else "the same"
+    return Check(not changed, found, "your own objects with the files that they had")
 
 
 def _lengths(episodes: pa.Table, frames: int) -> Check:

@@ -10,6 +10,7 @@ from keypush.dataset.assemble import new_dataset
 from keypush.dataset.clouds import episode_clouds
 from keypush.dataset.features import CLOUD, cloud_feature
 from keypush.dataset.layout import EPISODE_COLUMNS
+from keypush.dataset.own_objects import refuse_changed_objects
 from keypush.dataset.read import DataSet
 from keypush.dataset.writer import DatasetWriter
 from keypush.errors import UserError
@@ -45,9 +46,10 @@ def check_export(dataset: DataSet, out: Path) -> None:
     """Checks that a data set can be exported to a folder, before the folder is made.
 
     Raises:
-        UserError: the data set has clouds already, or `out` is its own folder or lies in it, where
-            the copy's files would pass for its own.
+        UserError: the data set has clouds already, an own object is another by now, or `out` is
+            its own folder or lies in it, where the copy's files would pass for its own.
     """
+    refuse_changed_objects(dataset)
     if any(feature.name == CLOUD for feature in dataset.features):
         raise UserError(f"{dataset.folder}: has {CLOUD} already; allowed: a data set without it")
     if out.resolve().is_relative_to(dataset.folder.resolve()):

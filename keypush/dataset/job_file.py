@@ -6,6 +6,9 @@ from typing import Any
 from keypush.errors import UserError, one_line
 from keypush.yaml_text import parse_yaml
 
+USER_OBJECTS = "user_objects_sha256"
+"""Field of job.yaml: one digest of all of the user's own objects, where there are some."""
+
 
 def read_yaml(path: Path) -> dict[str, Any]:
     """Reads a mapping.
@@ -38,3 +41,13 @@ def read_job(path: Path) -> tuple[list[str], int]:
             "and a whole number above 0"
         )
     return [str(name) for name in objects], episodes
+
+
+def read_own_objects_digest(path: Path) -> str | None:
+    """Reads the digest of the user's own objects; None where the job had none.
+
+    Raises:
+        UserError: the file is missing.
+    """
+    digest = read_yaml(path).get(USER_OBJECTS)
+    return None if digest is None else str(digest)

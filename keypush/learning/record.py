@@ -4,7 +4,7 @@ import dataclasses
 import hashlib
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -36,12 +36,19 @@ def training_record(
     }
 
 
-def data_record(rows: Rows, digest: str) -> dict[str, Any]:
-    """Tells what was trained on; `digest` is of what the rows teach."""
+def data_record(rows: Rows, digest: str, held_out: Collection[str]) -> dict[str, Any]:
+    """Tells what was read, and which of its objects were trained on.
+
+    Args:
+        rows: all rows, those of objects that were only measured on among them.
+        digest: of what the rows teach.
+        held_out: these objects.
+    """
     return {
         "rows": len(rows),
         "episodes": len(np.unique(rows.episode)),
-        "objects": sorted({name for name, _ in rows.objects}),
+        "objects": sorted({name for name, _ in rows.objects}.difference(held_out)),
+        "held_out_objects": sorted(held_out),
         "sha256": digest,
         "seeds": list(rows.seeds),
     }

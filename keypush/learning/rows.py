@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from keypush.dataset.arrays import to_array
 from keypush.dataset.bad_frame import find_bad_frame
 from keypush.dataset.features import FEATURES
+from keypush.dataset.own_objects import refuse_changed_objects
 from keypush.dataset.read import DataSet, open_dataset
 from keypush.errors import UserError
 
@@ -75,10 +76,11 @@ def read_rows(data_dir: Path, *, keep_failures: bool = False) -> Rows:
         keep_failures: whether to read episodes that failed too.
 
     Raises:
-        UserError: see `open_dataset`; or no episode is left, or a number is not finite where one
-            is needed.
+        UserError: see `open_dataset`; or an own object is another by now, no episode is left, or a
+            number is not finite where one is needed.
     """
     dataset = open_dataset(data_dir)
+    refuse_changed_objects(dataset)
     episodes = dataset.episodes
     kept = episodes if keep_failures else episodes.filter(episodes["success"])
     if not len(kept):

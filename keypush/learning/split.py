@@ -52,7 +52,8 @@ def split_rows(rows: Rows, usable: NDArray[np.bool_], config: DataConfig) -> Spl
     episodes = np.unique(rows.episode[usable])
     if len(episodes) < 2:
         raise UserError(
-            f"data: {len(episodes)} episodes have labelled rows to train on; allowed: at least 2"
+            f"data: {len(episodes)} episodes have labelled rows to train on, held_out_objects left "
+            "out; allowed: at least 2"
         )
     make_generator(config.seed, 0, "validation_split").shuffle(episodes)
     count = min(max(1, round(config.validation_share * len(episodes))), len(episodes) - 1)

@@ -55,7 +55,8 @@ def train(data_dir: Path, out_dir: Path, config: TrainingConfig) -> dict[str, An
     with one_thread():
         metrics = _final_metrics(module, rows, scenes, split, samplers, config)
     parameters = parameter_count(module.network)
-    record = training_record(parameters, data_record(rows, digest), config, metrics)
+    taught = data_record(rows, digest, config.held_out_objects)
+    record = training_record(parameters, taught, config, metrics)
     save_network(module.network, out_dir / WEIGHTS, record)
     return metrics
 

@@ -30,6 +30,8 @@ Array = NDArray[np.float64]
 BOUNDING_RADIUS = 0.05
 """r_obj in m: radius of the bounding sphere about Oo at size ratio 1."""
 _VISUAL, _COLLISION, _DESCRIPTION = "visual.ply", "collision.obj", "object.json"
+ASSET_FILES = (_COLLISION, _DESCRIPTION, _VISUAL)
+"""All that an asset is read from."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,14 +1,16 @@
 """All objects there are: the built-in ones and those that a user has added."""
 
+import hashlib
 import re
 import shutil
+from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 
 from platformdirs import user_data_path
 
 from keypush.errors import UserError
-from keypush.objects.asset import ObjectAsset, read_asset
+from keypush.objects.asset import ASSET_FILES, ObjectAsset, read_asset
 from keypush.objects.catalogue import GROUPS, catalogue, catalogue_names
 from keypush.objects.model import ObjectModel, scaled_model
 from keypush.resources import models_dir
@@ -62,8 +64,26 @@ def remove_user_object(name: str) -> Path:
         known = ", ".join(user_object_names()) or "none was added"
         raise UserError(f"object {name!r} is not one that was added; allowed: {known}")
     folder = user_objects_dir() / name
-    shutil.rmtree(folder)
+    if folder.is_symlink():
+        folder.unlink()
+    else:
+        shutil.rmtree(folder)
     return folder
+
+
+def user_objects_digest(names: Iterable[str]) -> str | None:
+    """Returns a digest of the files of the user's objects among some; None where none is.
+
+    It tells objects apart that were removed and added again under the same name.
+    """
+    mine = sorted(set(user_object_names()).intersection(names))
+    if not mine:
+        return None
+    digest = hashlib.sha256()
+    for name in mine:
+        for file in ASSET_FILES:
+            digest.update((object_folder(name) / file).read_bytes())
+    return digest.hexdigest()
 
 
 def parse_object_list(text: str) -> list[str]:

@@ -13,6 +13,7 @@ from pydrake.systems.framework import DiagramBuilder
 from diagrams.station import MakePushStation
 from keypush.dataset.arrays import to_array
 from keypush.dataset.episode_scenario import episode_scenario
+from keypush.dataset.own_objects import refuse_changed_objects
 from keypush.dataset.read import DataSet
 from keypush.objects.library import make_object
 from keypush.objects.point_cloud import pose_from_vector
@@ -32,9 +33,11 @@ def replay_episode(dataset: DataSet, number: int) -> str:
     """Returns a self-contained page that plays an episode; nothing is simulated.
 
     Raises:
-        UserError: there is no such episode, a file is damaged, or the object is not there.
+        UserError: there is no such episode, a file is damaged, or the object is not there, or is
+            another by now.
         RuntimeError: no port is free for Meshcat.
     """
+    refuse_changed_objects(dataset)
     told, frames = dataset.episode(number)
     try:
         return _replay(episode_scenario(dataset, told), told, frames)

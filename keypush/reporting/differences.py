@@ -6,6 +6,7 @@ from typing import Any
 
 import pyarrow as pa
 
+from keypush.dataset.job_file import USER_OBJECTS
 from keypush.objects.library import USER_GROUP
 from keypush.reporting.runs import RUN
 from keypush.reporting.settings import read_settings
@@ -17,8 +18,6 @@ _COMPARED = {
 """Fields of the scenario that a report tells of anyway."""
 _FILES = {"weights_sha256": "weights", "policy_sha256": "file"}
 """What lies in files that have one name and may have had two contents."""
-_OBJECTS = "user_objects_sha256"
-"""One digest of all own objects of a job: compared between jobs that have the same ones."""
 _MISSING = "missing"
 _MOST = 6
 """So many differences are named."""
@@ -73,8 +72,9 @@ def _made_by(
     for name, what in _FILES.items():
         if name in job:
             yield f"{what} of {_driver(scenario)}", _short(job[name])
-    if own and _OBJECTS in job:
-        yield f"files of {', '.join(sorted(own))}", _short(job[_OBJECTS])
+    # One digest of all own objects: compared between jobs that have the same ones.
+    if own and USER_OBJECTS in job:
+        yield f"files of {', '.join(sorted(own))}", _short(job[USER_OBJECTS])
 
 
 def _short(digest: Any) -> str:

@@ -4,9 +4,10 @@ import hashlib
 from collections.abc import Sequence
 
 from keypush import __version__
+from keypush.dataset.job_file import USER_OBJECTS
 from keypush.learning.own_policy import own_model, source_file
 from keypush.learning.policy_model import check_weights
-from keypush.objects.library import object_folder, user_object_names
+from keypush.objects.library import user_objects_digest
 from keypush.policies import find_policy, is_own_policy
 from keypush.scenario import Scenario
 
@@ -44,12 +45,5 @@ def _own_policy_digest(policy: str) -> dict[str, str]:
 
 
 def _user_objects_digest(names: Sequence[str]) -> dict[str, str]:
-    """Tells objects apart that were removed and added again under the same name."""
-    mine = set(user_object_names()).intersection(names)
-    if not mine:
-        return {}
-    digest = hashlib.sha256()
-    for name in sorted(mine):
-        for path in sorted(object_folder(name).iterdir()):
-            digest.update(path.read_bytes())
-    return {"user_objects_sha256": digest.hexdigest()}
+    digest = user_objects_digest(names)
+    return {} if digest is None else {USER_OBJECTS: digest}

@@ -1,5 +1,6 @@
 """Each check passes on a good data set and fails on one that has what it looks for."""
 
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,9 +9,15 @@ import numpy as np
 import pytest
 
 from keypush.dataset.check import check_dataset
+from keypush.dataset.export import check_export
+from keypush.dataset.job_file import USER_OBJECTS
+from keypush.dataset.layout import JOB
 from keypush.dataset.read import open_dataset
 from keypush.errors import UserError
+from keypush.learning.rows import read_rows
+from keypush.objects.library import object_folder, user_objects_digest, user_objects_dir
 from tests.dataset.edit import DATA, EPISODES, edit_json, edit_table, set_values
+from tests.learning.synthetic import write_data
 
 
 def test_good_data_sets_pass(synthetic: Path, real: Path) -> None:
@@ -123,3 +130,23 @@ def test_files_that_it_needs_are_named(
     damage(copy)
     with pytest.raises(UserError, match=message):
         check_dataset(open_dataset(copy))
+
+
+def test_an_own_object_that_was_exchanged_is_found_and_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "home"))
+    mine = user_objects_dir() / "mine"
+    shutil.copytree(object_folder("can"), mine)
+    folder = write_data(tmp_path / "data", [("mine", 1.0), ("block", 1.0)], episodes=2)
+    with (folder / JOB).open("a") as job:
+        job.write(f"{USER_OBJECTS}: {user_objects_digest(['mine', 'block'])}\n")
+    assert check_dataset(open_dataset(folder))["objects"].ok
+    read_rows(folder)
+    (mine / "object.json").write_text((object_folder("mug") / "object.json").read_text())
+    check = check_dataset(open_dataset(folder))["objects"]
+    assert (check.ok, check.found) == (False, "other files of mine")
+    words = r"data: the files of mine are not those that its episodes were made with; allowed"
+    for use in (read_rows, lambda f: check_export(open_dataset(f), tmp_path / "copy")):
+        with pytest.raises(UserError, match=words):
+            use(folder)

@@ -108,6 +108,13 @@ def test_an_object_without_a_start_is_named_before_anything_runs(tmp_path: Path)
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_period_that_no_data_set_can_have_is_named_before_anything_runs(tmp_path: Path) -> None:
+    scenario = parse_scenario("{policy: expert, episode: {policy_period: 0.15}}")
+    with pytest.raises(UserError, match=r"policy_period is 0\.15; allowed in a data set: 1 s div"):
+        collect_dataset(Job(scenario=scenario, objects=("plate",), episodes=1), tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_one_run_at_a_time(tmp_path: Path) -> None:
     with hold_folder(tmp_path), pytest.raises(UserError, match="another run is at work"):
         collect_dataset(_job(), tmp_path)

@@ -107,9 +107,8 @@ def run_ablation(
         trainings=tuple(plan.done[setting, seed] for setting in SETTINGS for seed in config.seeds),
         provenance={
             "data": {
-                **data_record(rows, data.digest),
+                **data_record(rows, data.digest, config.held_out),
                 "trained_rows": len(data.selection.train),
-                "held_out_objects": config.held_out,
             },
             "settings": config.identity(),
             "git_revision": git_revision(),

@@ -103,7 +103,10 @@ def train_imitation(
             else FreshTokens(data.examples, network.encoder, config)
         )
     metrics = train_head(network, data, tokens, out_dir, config, identity)
-    taught = {**data_record(rows, data.digest), "trained_rows": len(data.selection.train)}
+    taught = {
+        **data_record(rows, data.digest, config.held_out_objects),
+        "trained_rows": len(data.selection.train),
+    }
     record = {
         **training_record(parameter_count(network.head), taught, config, metrics),
         "encoder": standing_on,

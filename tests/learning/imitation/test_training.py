@@ -59,7 +59,8 @@ def test_the_card_tells_how_it_came_about(
     digest = hashlib.sha256(encoder.read_bytes()).hexdigest()
     assert card["encoder"] == {"file": "contact.safetensors", "sha256": digest}
     assert card["data"]["trained_rows"] == 15 * 60
-    assert "mug" in card["data"]["objects"]
+    assert "mug" not in card["data"]["objects"]
+    assert card["data"]["held_out_objects"] == ["mug"]
     assert {"command", "git_revision", "training", "network"} <= card.keys()
 
 
