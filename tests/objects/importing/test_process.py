@@ -32,7 +32,7 @@ def bowl(tmp_path: Path) -> Path:
     return export(mesh, tmp_path / "bowl", "ply")
 
 
-def end_the_child(number: signal.Signals) -> None:
+def signal_the_child(number: signal.Signals) -> None:
     child = multiprocessing.active_children()[0]
     assert child.pid is not None
     os.kill(child.pid, number)
@@ -61,12 +61,31 @@ def test_where_repairing_takes_too_long_the_hull_does(bowl: Path) -> None:
     assert result.notes[-1] == "repairing it took longer than 0 s"
 
 
+@pytest.mark.slow
+def test_time_in_which_the_machine_does_other_things_does_not_count(bowl: Path) -> None:
+    with Importer(repair_seconds=5.0) as importer:
+        expected = importer.import_mesh(bowl)
+        timers = [
+            threading.Timer(seconds, signal_the_child, [number])
+            for seconds, number in ((0.1, signal.SIGSTOP), (6.0, signal.SIGCONT))
+        ]
+        for timer in timers:
+            timer.start()
+        begun = time.monotonic()
+        result = importer.import_mesh(bowl, time_limit=5.0)
+        assert time.monotonic() - begun > 5.0
+        for timer in timers:
+            timer.join()
+    assert result.notes == expected.notes
+    np.testing.assert_array_equal(result.solid.vertices, expected.solid.vertices)
+
+
 def test_a_crash_while_reading_is_one_line_and_the_next_file_is_imported(
     big: Path, bowl: Path
 ) -> None:
     with Importer() as importer:
         importer.import_mesh(bowl)
-        timer = threading.Timer(0.1, end_the_child, [signal.SIGSEGV])
+        timer = threading.Timer(0.1, signal_the_child, [signal.SIGSEGV])
         timer.start()
         with pytest.raises(UserError) as caught:
             importer.import_mesh(big)
