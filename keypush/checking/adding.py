@@ -7,7 +7,7 @@ from pathlib import Path
 from shapely.errors import ShapelyError
 
 from keypush import __version__
-from keypush.checking.object_checks import check_object
+from keypush.checking.object_checks import Check, check_object
 from keypush.errors import UserError, one_line
 from keypush.objects.asset import ObjectAsset, write_asset
 from keypush.objects.build import BuildOptions, build_asset
@@ -49,7 +49,8 @@ def add_object_file(
     }
     try:
         asset = build_asset(name, found.solid, options, provenance)
-        failed = [check.text for check in check_object(asset).values() if not check.ok]
+        _check_mass(asset, options)
+        failed = [_told(check) for check in check_object(asset).values() if not check.ok]
     except (ArithmeticError, LookupError, RuntimeError, ValueError, ShapelyError) as error:
         # Geometry that nobody foresaw: the file is refused, and the cause stays attached.
         raise UserError(f"{file}: no object can be made of it: {one_line(error)}") from error
@@ -60,6 +61,21 @@ def add_object_file(
     folder = user_objects_dir() / name
     write_asset(asset, folder)
     return asset, folder
+
+
+def _told(check: Check) -> str:
+    measured = "" if check.value is None else f" ({check.value:.3g}, limit {check.limit:.3g})"
+    return f"{check.text}{measured}"
+
+
+def _check_mass(asset: ObjectAsset, options: BuildOptions) -> None:
+    """Holds what a density gives to the range of masses."""
+    low, high = _RANGES["mass"]
+    if not low <= asset.mass <= high:
+        raise UserError(
+            f"--density {options.density} makes it {asset.mass:.3g} kg; allowed: {low:g} to "
+            f"{high:g} kg"
+        )
 
 
 def _check_options(options: BuildOptions) -> None:

@@ -136,6 +136,14 @@ MISTAKES: list[tuple[list[str], list[str]]] = [
     (["add", "CRATE", "--name", "Big"], ["'Big'", "small letters"]),
     (["add", "CRATE", "--name", "a", "--scale", "7"], ["--scale is 7.0", "0.02 to 0.5"]),
     (["add", "CRATE", "--name", "a", "--mass", "1", "--density", "1"], ["--mass and --density"]),
+    (
+        ["add", "CRATE", "--name", "a", "--density", "25000", "--scale", "0.5"],
+        ["--density 25000.0 makes it ", " kg; allowed: 0.001 to 10 kg"],
+    ),
+    (
+        ["add", "CRATE", "--name", "a", "--scale", "0.02"],
+        ["what touches from what is seen, m (0.000", ", limit 0.0003)"],
+    ),
     (["show", "teapot"], ["'teapot'", "mug"]),
     (["check", "teapot"], ["'teapot'", "mug"]),
     (["check", "user"], ["'user'", "names none"]),
