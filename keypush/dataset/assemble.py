@@ -111,30 +111,31 @@ def _refuse_others(out: Path, job: Path, scenario: Path) -> None:
 
 
 def _frames_per_second(source: Shards) -> int:
-    scenario: dict[str, Any] = source.scenario()
+    path, scenario = source.folder / "scenario.yaml", source.scenario()
     found: Any = None
     try:
         found = scenario["episode"]["policy_period"]
-        period = float(found)
-        fps = round(1 / period)
+        return frames_per_second(float(found))
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from error
     except (KeyError, TypeError, ValueError, ZeroDivisionError, OverflowError) as error:
         told = "missing" if found is None else repr(found)
         raise UserError(
-            f"{source.folder / 'scenario.yaml'}: episode.policy_period is {told}; allowed: the "
-            "scenario that the job has written"
+            f"{path}: episode.policy_period is {told}; allowed: the scenario that the job has "
+            "written"
         ) from error
-    check_policy_period(period)
-    return fps
 
 
-def check_policy_period(period: float) -> None:
-    """Checks that a data set can have frames so many seconds apart.
+def frames_per_second(period: float) -> int:
+    """Returns how many frames so many seconds apart a data set has in a second.
 
     Raises:
-        UserError: it cannot.
+        UserError: it is no whole number.
     """
-    if abs(round(1 / period) * period - 1) > 1e-9:
+    fps = round(1 / period)
+    if abs(fps * period - 1) > 1e-9:
         raise UserError(
             f"episode.policy_period is {period:g}; allowed in a data set: 1 s divided by a whole "
             "number, because it has frames per second"
         )
+    return fps

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from keypush.atomic_file import make_folder
-from keypush.dataset.assemble import assemble_dataset, check_policy_period
+from keypush.dataset.assemble import assemble_dataset, frames_per_second
 from keypush.dataset.layout import INFO
 from keypush.errors import UserError, one_line
 from keypush.rollout.episode import EpisodeRunner
@@ -54,7 +54,7 @@ def collect_dataset(
         if (out / INFO).exists():
             _discard(shards)
             return None
-        check_policy_period(job.scenario.episode.policy_period)
+        frames_per_second(job.scenario.episode.policy_period)
         check_starts(job)
         make_folder(shards)
         store = run_job(job, shards, workers=workers, engine=engine, make_runner=make_runner)

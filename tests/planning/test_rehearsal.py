@@ -73,6 +73,8 @@ def test_a_posture_that_gets_stuck_is_passed_over() -> None:
     assert chosen(left=30, right=40) == Posture(1, pitch + 0.1, HEIGHTS[0])
     assert chosen(left=50, right=40) == Posture(-1, pitch + 0.1, HEIGHTS[0])
     assert chosen(left=None, right=90) == Posture(-1, pitch + 0.1, HEIGHTS[0])
+    # Nowhere does the arm get through: one that it reaches is still better than none.
+    assert chosen(left=None, right=None).pitch in (pitch, pitch + 0.1)
 
 
 def test_a_rehearsal_changes_nothing() -> None:
