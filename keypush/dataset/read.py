@@ -215,6 +215,9 @@ def _explained(path: Path) -> Iterator[None]:
     """Turns what Parquet says of a file into a user's mistake."""
     try:
         yield
+    except FileNotFoundError as error:
+        # Of a missing file pyarrow tells its name alone.
+        raise UserError(f"{path}: is missing; {_ALLOWED}") from error
     except (OSError, pa.ArrowException) as error:
         raise UserError(f"{path}: cannot be read: {one_line(error)}; {_ALLOWED}") from error
 

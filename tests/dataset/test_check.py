@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypush.dataset.check import check_dataset
+from keypush.dataset.check import EXPERT_OUTCOMES, check_dataset
 from keypush.dataset.export import check_export
 from keypush.dataset.job_file import USER_OBJECTS
 from keypush.dataset.layout import JOB
@@ -16,6 +16,7 @@ from keypush.dataset.read import open_dataset
 from keypush.errors import UserError
 from keypush.learning.rows import read_rows
 from keypush.objects.library import object_folder, user_objects_digest, user_objects_dir
+from keypush.systems.episode_monitor import Outcome
 from tests.dataset.edit import DATA, EPISODES, edit_json, edit_table, set_values
 from tests.learning.synthetic import write_data
 
@@ -25,6 +26,11 @@ def test_good_data_sets_pass(synthetic: Path, real: Path) -> None:
         checks = check_dataset(open_dataset(folder))
         assert [name for name, check in checks.items() if not check.ok] == []
         assert {"episodes", "lengths", "numbering", "times", "labels"} <= checks.keys()
+
+
+def test_outcomes_are_those_of_the_monitor() -> None:
+    others = {Outcome.RUNNING, Outcome.POLICY_FAILED}
+    assert [o.name.lower() for o in Outcome if o not in others] == list(EXPERT_OUTCOMES)
 
 
 def _put(place: int, value: Any) -> Callable[[list[Any]], object]:
@@ -46,6 +52,10 @@ def _shift_labels_and_contacts(folder: Path) -> None:
         (EPISODES, "object", _put(4, "can"), "episodes"),
         (EPISODES, "episode", _put(4, 2), "episodes"),
         (EPISODES, "episode_index", _put(4, 5), "episodes"),
+        (EPISODES, "seed", _put(4, 1), "told"),
+        (EPISODES, "outcome", _put(4, "flew away"), "told"),
+        (EPISODES, "outcome", _put(4, "toppled"), "told"),
+        (EPISODES, "success", _put(4, False), "told"),
         (EPISODES, "length", _put(4, 4), "lengths"),
         (EPISODES, "dataset_from_index", _put(4, 19), "lengths"),
         (EPISODES, "dataset_to_index", _put(8, 44), "lengths"),
@@ -61,6 +71,7 @@ def _shift_labels_and_contacts(folder: Path) -> None:
         (DATA, "next.done", _put(7, True), "ends"),
         (DATA, "next.success", _put(9, False), "ends"),
         (DATA, "observation.com", _move(7, 1, np.nan), "finite"),
+        (DATA, "observation.com", _move(7, 0, 0.3), "com"),
         (DATA, "action", _move(7, 5, np.inf), "finite"),
         (DATA, "contact.analytic", _move(7, 1, np.nan), "finite"),
         (DATA, "contact.measured", _move(7, 1, np.nan), "finite"),
@@ -93,7 +104,7 @@ def test_what_needs_poses_is_not_measured_without(
     edit_table(copy / DATA, lambda table: set_values(table, column, change))
     checks = check_dataset(open_dataset(copy))
     assert not checks[check].ok
-    for name in ("labels", "label_distance", "clouds"):
+    for name in ("labels", "label_distance", "clouds", "com"):
         assert not checks[name].ok
         assert checks[name].found == f"not measured, because {check} is wrong"
     assert checks["times"].ok
@@ -117,7 +128,7 @@ def test_labels_far_from_the_object_are_found(copy: Path) -> None:
             lambda f: edit_json(f / "meta/stats.json", lambda s: s["action"].pop("std")),
             r"meta/stats\.json: of action not all statistics are there; allowed: min, max",
         ),
-        (lambda f: (f / "meta/tasks.parquet").unlink(), r"tasks\.parquet: cannot be read"),
+        (lambda f: (f / "meta/tasks.parquet").unlink(), r"tasks\.parquet: is missing; allowed"),
         (
             lambda f: edit_table(f / "meta/tasks.parquet", lambda t: t.drop_columns(["task"])),
             r"tasks\.parquet: column task is missing",
