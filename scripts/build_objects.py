@@ -1,8 +1,9 @@
 """Makes the built-in objects of the catalogue anew, or those that are named."""
 
 import shutil
-import sys
 
+import tyro
+from as_command import as_command, check_names
 from tqdm import tqdm
 
 from keypush.objects.asset import write_asset
@@ -11,10 +12,15 @@ from keypush.objects.catalogue import catalogue
 from keypush.resources import models_dir
 
 
-def main() -> None:
-    """Writes `models/objects/NAME` for every name."""
+def main(names: tyro.conf.Positional[tuple[str, ...]] = ()) -> None:
+    """Writes `models/objects/NAME` for every name.
+
+    Args:
+        names: of the objects; all by default.
+    """
+    check_names("object", names, list(catalogue()))
     folder = models_dir() / "objects"
-    for name in tqdm(sys.argv[1:] or list(catalogue()), unit="object", disable=None):
+    for name in tqdm(names or list(catalogue()), unit="object", disable=None):
         entry = catalogue()[name]
         mesh = entry.generate()
         made = {"generator": entry.generator, "parameters": dict(entry.parameters)}
@@ -24,4 +30,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    as_command(main)

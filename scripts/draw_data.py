@@ -4,18 +4,22 @@
 
 PLAIN and RESET are data sets of `keypush collect` without and with the reset heuristic. The panels
 are those of the thesis' figures 4.4, 4.5 and 4.7: where the contact was meant to be and where it
-was, the expert's path, and where the tool has been around the contact.
+was, the expert's path, and where the tool has been around the contact. The first two are of an
+episode of the glass, or of the first object where a data set has none.
 """
 
-import sys
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 import polars as pl
+from as_command import as_command
 from numpy.typing import NDArray
 
+from keypush.cli.output import check_output_file
 from keypush.dataset.poses import rotations
+from keypush.dataset.read import open_dataset
+from keypush.errors import UserError
 from keypush.objects.library import make_object
 from keypush.planning.plan_state import Stage
 
@@ -26,14 +30,20 @@ from matplotlib.patches import Circle
 
 Array = NDArray[np.float64]
 
-_SHOWN = "glass"
+_PREFERRED = "glass"
+"""Round and tall."""
 _HEAD = """| | episodes | frames | frames an episode | spread of the low tool along the push, cm
 | beside it, cm | beside it while pushing, cm | directions around the object |""".replace("\n", " ")
 _COLOURS = {"without resets": "tab:blue", "with resets": "tab:orange"}
 
 
 def read(folder: Path) -> pl.DataFrame:
-    """Reads all frames of a data set, with their episode's object."""
+    """Reads all frames of a data set, with their episode's object.
+
+    Raises:
+        UserError: it is none.
+    """
+    open_dataset(folder)
     frames = pl.read_parquet(folder / "data" / "*" / "*.parquet")
     episodes = pl.read_parquet(folder / "meta" / "episodes" / "*" / "*.parquet")
     told = episodes.select("episode_index", "object", "size_ratio", "success")
@@ -91,12 +101,29 @@ def tell(name: str, frames: pl.DataFrame) -> str:
     return f"| {' | '.join(cells)} |"
 
 
+def shown_episode(frames: pl.DataFrame) -> pl.DataFrame:
+    """Returns the frames of the episode that stands for all.
+
+    Raises:
+        UserError: no push of the data set touched its object.
+    """
+    touching = _touching(frames)
+    if touching.is_empty():
+        raise UserError("no frame of the data set pushes with contact; allowed: one that does")
+    preferred = touching.filter(pl.col("object") == _PREFERRED)
+    first = (touching if preferred.is_empty() else preferred)["episode_index"].min()
+    return frames.filter(pl.col("episode_index") == first)
+
+
+def _touching(frames: pl.DataFrame) -> pl.DataFrame:
+    measured = pl.col("contact.measured").arr.get(0).is_not_nan()
+    return frames.filter((pl.col("stage") == Stage.PUSH) & measured)
+
+
 def draw_contacts(axes: Axes, frames: pl.DataFrame) -> None:
     """One episode's object from above, with the contacts that were meant and those that were."""
-    pushing = frames.filter((pl.col("object") == _SHOWN) & (pl.col("stage") == Stage.PUSH))
-    first = pushing["episode_index"].min()
-    pushing = pushing.filter(pl.col("episode_index") == first)
-    touching = pushing.filter(pl.col("contact.measured").arr.get(0).is_not_nan())
+    touching = _touching(shown_episode(frames))
+    shown = touching["object"][0]
     pose = points(touching, "observation.object_pose")
     R_WO, p_WO = rotations(pose), pose[:, 4:]
     for column, colour, label in (
@@ -106,17 +133,16 @@ def draw_contacts(axes: Axes, frames: pl.DataFrame) -> None:
         p_O = np.einsum("nij,ni->nj", R_WO, points(touching, column) - p_WO)
         axes.plot(100 * p_O[:, 0], 100 * p_O[:, 1], ".", color=colour, label=label)
     ratio = float(touching["size_ratio"][0])
-    cloud = 100 * make_object(_SHOWN, ratio).p_OP
+    cloud = 100 * make_object(shown, ratio).p_OP
     axes.plot(cloud[::4, 0], cloud[::4, 1], ",", color="0.75")
-    axes.set(title=f"contacts of one push, {_SHOWN}", xlabel="Ox, cm", ylabel="Oy, cm")
+    axes.set(title=f"contacts of one push, {shown}", xlabel="Ox, cm", ylabel="Oy, cm")
     axes.set_aspect("equal")
     axes.legend(loc="upper right", fontsize=8)
 
 
 def draw_path(axes: Axes, frames: pl.DataFrame) -> None:
     """One episode's way of tool and object from above."""
-    first = frames.filter(pl.col("object") == _SHOWN)["episode_index"].min()
-    one = frames.filter(pl.col("episode_index") == first)
+    one = shown_episode(frames)
     tool = 100 * points(one, "observation.tool_pose")[:, 4:]
     thing = 100 * points(one, "observation.object_pose")[:, 4:]
     goal = 100 * points(one, "observation.goal")[0]
@@ -145,9 +171,7 @@ def draw_spread(axes: Axes, data: dict[str, pl.DataFrame]) -> None:
 def draw_deviation(axes: Axes, data: dict[str, pl.DataFrame]) -> None:
     """How far beside the aimed contact the measured one was."""
     for name, frames in data.items():
-        near = frames.filter(
-            (pl.col("stage") == Stage.PUSH) & pl.col("contact.measured").arr.get(0).is_not_nan()
-        )
+        near = _touching(frames)
         beside = in_push_frame(near, points(near, "contact.measured"))[:, 1]
         beside = beside[np.isfinite(beside)]
         axes.hist(100 * beside, bins=np.linspace(-4, 4, 81).tolist(), density=True, histtype="step",
@@ -160,9 +184,15 @@ def draw_deviation(axes: Axes, data: dict[str, pl.DataFrame]) -> None:
     axes.legend(fontsize=8)
 
 
-def main() -> None:
-    """Draws the figure and prints the table."""
-    plain, reset, out = map(Path, sys.argv[1:])
+def main(plain: Path, reset: Path, out: Path) -> None:
+    """Draws the figure and prints the table.
+
+    Args:
+        plain: data set without resets.
+        reset: data set with resets.
+        out: the figure.
+    """
+    check_output_file(out)
     data = dict(zip(_COLOURS, (read(plain), read(reset)), strict=True))
     figure, axes = plt.subplots(1, 4, figsize=(17, 4))
     draw_contacts(axes[0], data["without resets"])
@@ -178,4 +208,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    as_command(main)

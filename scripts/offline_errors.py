@@ -8,22 +8,25 @@ are over frames of an object first and then over objects, so that long episodes 
 """
 
 import json
-import sys
 from collections import defaultdict
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import tyro
+from as_command import as_command
 from numpy.typing import NDArray
 
+from keypush.cli.output import check_output_file
 from keypush.dataset.arrays import to_array
 from keypush.dataset.clouds import episode_clouds
 from keypush.dataset.read import open_dataset
 from keypush.errors import UserError
 from keypush.learning.model import KeypointModel
 from keypush.learning.policy_model import policy_model
-from keypush.objects.catalogue import catalogue
-from keypush.policies import POLICIES, SHIPPED, find_policy
+from keypush.objects.listing import split_of
+from keypush.policies import OWN_POLICY, POLICIES, SHIPPED, is_own_policy
 from keypush.scenario import load_scenario
 
 _EVERY = 4
@@ -34,19 +37,26 @@ _COLUMNS = ["observation.object_pose", "observation.com", "observation.goal",
 Array = NDArray[np.float64]
 
 
-def models(names: list[str]) -> dict[str, KeypointModel]:
-    """Makes the models of keypoint policies; those without weights are left out, and told."""
+def models(names: Sequence[str]) -> dict[str, KeypointModel]:
+    """Makes the models of keypoint policies, by what names them: POLICY or POLICY=WEIGHTS.
+
+    Raises:
+        UserError: there is no such policy of keypoints, or it has no such weights.
+    """
     found: dict[str, KeypointModel] = {}
     for given in names:
         name, _, weights = given.partition("=")
-        try:
-            model = policy_model(name, weights or SHIPPED)
-        except UserError as error:
-            print(error)
-            continue
-        if model is not None and not find_policy(name).acts:
-            found[name] = model
+        if not (is_own_policy(name) or name in _all()):
+            raise UserError(f"policy is {name!r}; allowed: {', '.join(_all())}, {OWN_POLICY}")
+        model = policy_model(name, weights or SHIPPED)
+        assert model is not None
+        found[given] = model
     return found
+
+
+def _all() -> list[str]:
+    """All of keypush's own policies that predict keypoints."""
+    return [name for name, policy in POLICIES.items() if name != "expert" and not policy.acts]
 
 
 def frame_errors(model: KeypointModel, frames: list[tuple[Array, ...]]) -> Array:
@@ -60,11 +70,10 @@ def frame_errors(model: KeypointModel, frames: list[tuple[Array, ...]]) -> Array
     return np.array(errors)
 
 
-def measure(data: Path, names: list[str]) -> dict[str, Any]:
+def measure(data: Path, names: Sequence[str]) -> dict[str, Any]:
     """Returns the errors by policy, split and object, in cm."""
     dataset = open_dataset(data)
     noise = load_scenario(dataset.scenario).noise
-    split_of = {name: entry.split for name, entry in catalogue().items()}
     chosen = models(names)
     errors: dict[str, dict[str, list[Array]]] = {name: defaultdict(list) for name in chosen}
     for told, table in dataset.each_episode():
@@ -75,14 +84,14 @@ def measure(data: Path, names: list[str]) -> dict[str, Any]:
         for name, model in chosen.items():
             if frames:
                 errors[name][told["object"]].append(frame_errors(model, frames))
-    return {name: _by_split(found, split_of) for name, found in errors.items()}
+    return {name: _by_split(found) for name, found in errors.items()}
 
 
-def _by_split(found: dict[str, list[Array]], split_of: dict[str, str]) -> dict[str, Any]:
+def _by_split(found: dict[str, list[Array]]) -> dict[str, Any]:
     of_object = {name: np.concatenate(parts) for name, parts in found.items()}
     result: dict[str, Any] = {}
-    for split in dict.fromkeys(split_of[name] for name in of_object):
-        mine = {name: e for name, e in of_object.items() if split_of[name] == split}
+    for split in dict.fromkeys(split_of(name) for name in of_object):
+        mine = {name: e for name, e in of_object.items() if split_of(name) == split}
         means = 100 * np.mean([e.mean(axis=0) for e in mine.values()], axis=0)
         result[split] = {
             "objects": {name: round(100 * float(e[:, 0].mean()), 3) for name, e in mine.items()},
@@ -97,11 +106,17 @@ def _by_split(found: dict[str, list[Array]], split_of: dict[str, str]) -> dict[s
     return result
 
 
-def main() -> None:
-    """Writes the errors as JSON and prints them as a table."""
-    data, out, *names = sys.argv[1:]
-    result = measure(Path(data), names or list(POLICIES))
-    Path(out).write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+def main(data: Path, out: Path, policies: tyro.conf.Positional[tuple[str, ...]] = ()) -> None:
+    """Writes the errors as JSON and prints them as a table.
+
+    Args:
+        data: the data set.
+        out: the JSON file.
+        policies: POLICY or POLICY=WEIGHTS; by default all of keypush's that predict keypoints.
+    """
+    check_output_file(out)
+    result = measure(data, policies or _all())
+    out.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     splits = list(next(iter(result.values())))
     print(f"| policy | {' | '.join(f'{s}: mean, xy, lateral, p90' for s in splits)} |")
     print("|---" * (len(splits) + 1) + "|")
@@ -112,4 +127,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    as_command(main)

@@ -4,11 +4,10 @@
 
 `docs/expert.md` holds the words; what lies between its markers is replaced. The episodes go to
 `docs/results/expert.parquet`, so that every figure can be computed again; conditions that RUNS
-lacks are taken from there.
+lacks are taken from there, and a line names those that it has.
 """
 
 import re
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,10 @@ import matplotlib as mpl
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from as_command import as_command
 
+from keypush.dataset.job_file import read_job
+from keypush.errors import UserError
 from keypush.evaluation.summary import summarise
 from keypush.objects.catalogue import catalogue_names
 
@@ -35,12 +37,25 @@ Episodes = list[dict[str, Any]]
 
 
 def read_runs(runs: Path) -> dict[str, Episodes]:
-    """Reads the finished episodes of every condition, by its folder's name."""
+    """Reads the episodes of every condition, by its folder's name.
+
+    Raises:
+        UserError: there is none, or one is not finished.
+    """
     found = {}
-    for folder in sorted(path for path in runs.iterdir() if (path / "episodes").is_dir()):
-        tables = [pq.read_table(file) for file in sorted((folder / "episodes").glob("*.parquet"))]
-        if tables:
-            found[folder.name] = pa.concat_tables(tables).select(_COLUMNS).to_pylist()
+    for folder in sorted(path.parent for path in runs.glob("*/job.yaml")):
+        objects, episodes = read_job(folder / "job.yaml")
+        files = sorted((folder / "episodes").glob("*.parquet"))
+        tables = [pq.read_table(file).select(_COLUMNS) for file in files]
+        there = sum(map(len, tables))
+        if there != len(objects) * episodes:
+            raise UserError(
+                f"{folder}: {there} of {len(objects) * episodes} episodes are there; allowed: "
+                "conditions that study_expert.py has finished"
+            )
+        found[folder.name] = pa.concat_tables(tables).to_pylist()
+    if not found:
+        raise UserError(f"{runs}: holds no condition; allowed: a folder of study_expert.py")
     return found
 
 
@@ -156,9 +171,18 @@ def _replace(text: str, marker: str, content: str) -> str:
     return re.sub(pattern, lambda match: f"{match[1]}{content}\n{match[2]}", text, flags=re.S)
 
 
-def main() -> None:
-    """Replaces tables, plots and records."""
-    runs = read_records() | read_runs(Path(sys.argv[1]))
+def main(runs: Path) -> None:
+    """Replaces tables, plots and records.
+
+    Args:
+        runs: the folder of the study.
+    """
+    fresh = read_runs(runs)
+    print(f"replaced: {', '.join(fresh)}")
+    _write(read_records() | fresh)
+
+
+def _write(runs: dict[str, Episodes]) -> None:
     everywhere = [name for name in _EVERYWHERE if name in runs]
     fields = sorted(name for name in runs if name.startswith(_ONE_FIELD))
     page = DOCS / "expert.md"
@@ -176,4 +200,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    as_command(main)

@@ -11,11 +11,12 @@ and few rows are not at a disadvantage. What is trained stays in OUT and is not 
 
 import json
 import shutil
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import tyro
+from as_command import as_command
 from matplotlib.figure import Figure
 from offline_errors import measure
 
@@ -23,7 +24,7 @@ from keypush.dataset.read import open_dataset
 from keypush.learning.imitation.config import ImitationConfig
 from keypush.learning.imitation.train import train_imitation
 
-ROWS = [625, 2_500, 10_000, 40_000, 0]
+ROWS = (625, 2_500, 10_000, 40_000, 0)
 """With 16 objects: 10 000 rows, four times as many, and so on, and all."""
 PASSES = 5
 """Over all rows: a training of every size takes as many steps."""
@@ -58,7 +59,7 @@ def train(data: Path, encoder: str, out: Path, rows: int) -> Path:
 def errors_of(weights: Path, measured: Path) -> dict[str, Any]:
     """Returns the number of rows that weights were trained on, and their errors."""
     card = json.loads(weights.with_suffix(".json").read_text(encoding="utf-8"))
-    found = measure(measured, [f"keypoint={weights}"])["keypoint"]
+    found = measure(measured, [f"keypoint={weights}"])[f"keypoint={weights}"]
     return {"rows": card["data"]["trained_rows"], **found}
 
 
@@ -77,16 +78,25 @@ def draw(points: list[dict[str, Any]], path: Path) -> None:
     figure.savefig(path, dpi=110)
 
 
-def main() -> None:
-    """Trains what is missing, measures, and draws."""
-    data, encoder, measured, out = (
-        Path(sys.argv[1]),
-        sys.argv[2],
-        Path(sys.argv[3]),
-        Path(sys.argv[4]),
-    )
+def main(
+    data: Path,
+    encoder: str,
+    measured: Path,
+    out: Path,
+    rows_per_object: tyro.conf.Positional[tuple[int, ...]] = ROWS,
+) -> None:
+    """Trains what is missing, measures, and draws.
+
+    Args:
+        data: the data set that is learnt from.
+        encoder: weights of the pretrained encoder, or "auto".
+        measured: the data set on which errors are measured.
+        out: the folder.
+        rows_per_object: one training each; 0 takes all rows.
+    """
+    open_dataset(measured)
     points = []
-    for rows in map(int, sys.argv[5:] or ROWS):
+    for rows in rows_per_object:
         weights = train(data, encoder, out / f"rows_{rows}", rows)
         points.append(errors_of(weights, measured))
         (out / "errors.json").write_text(json.dumps(points, indent=1) + "\n", encoding="utf-8")
@@ -94,4 +104,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    as_command(main)

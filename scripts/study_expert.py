@@ -5,10 +5,12 @@
 Every condition leaves a folder in OUT; finished blocks stay, so it can be stopped at any time.
 """
 
-import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+import tyro
+from as_command import as_command, check_names
 
 from keypush.objects.library import parse_object_list
 from keypush.planning.presets import EXPERTS, expert_scenario
@@ -103,12 +105,18 @@ def run(name: str, condition: Condition, folder: Path) -> None:
     run_job(job, folder, workers=2)
 
 
-def main() -> None:
-    """Runs the conditions that are named, or all."""
-    out, known = Path(sys.argv[1]), conditions()
-    for name in sys.argv[2:] or known:
+def main(out: Path, names: tyro.conf.Positional[tuple[str, ...]] = ()) -> None:
+    """Runs conditions.
+
+    Args:
+        out: the folder.
+        names: of the conditions; all by default.
+    """
+    known = conditions()
+    check_names("condition", names, list(known))
+    for name in names or known:
         run(name, known[name], out / name)
 
 
 if __name__ == "__main__":
-    main()
+    as_command(main)

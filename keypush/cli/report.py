@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar
 
 import tyro
 
-from keypush.cli.output import write_output
+from keypush.cli.output import check_output_file, write_output
 from keypush.errors import UserError
 
 
@@ -43,6 +43,8 @@ class Report:
 
         table = read_runs(self.runs)
         report = build_report(gather_episodes(table), find_differences(table))
+        if self.markdown is not None:
+            check_output_file(self.markdown)  # Before the page is written: both or none.
         write_output(self.out, render_page(report, find_recordings(self.runs, self.out)))
         print(f"written: {self.out}")
         if self.markdown is not None:

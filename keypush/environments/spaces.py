@@ -37,7 +37,7 @@ def observation_space(scenario: Scenario, extras: Iterable[str]) -> spaces.Dict:
     Raises:
         UserError: there is no such name.
     """
-    if not isinstance(extras, Iterable):
+    if isinstance(extras, str) or not isinstance(extras, Iterable):
         raise UserError(f"extras is {extras!r}; allowed: names out of {', '.join(EXTRAS)}")
     names = (*OBSERVED, *extras)
     boxes = _boxes(scenario)

@@ -73,8 +73,8 @@ def run_jobs(
         ]
         pending = [block for tally in found for block in tally.missing]
         if pending:
-            scenarios = [job.scenario for job, _ in jobs]
-            running = held.enter_context(make_engine(engine, workers, scenarios, make_runner))
+            each = [job for job, _ in jobs]
+            running = held.enter_context(make_engine(engine, workers, each, make_runner))
             progress = Progress(sum(job.total for job, _ in jobs), found)
             progress.announce(jobs[0][1], running.workers)
             with progress:

@@ -6,6 +6,7 @@ import platform
 import socket
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Self
 
 import ray
@@ -14,31 +15,48 @@ from ray.exceptions import RayError
 from keypush import __version__
 from keypush.errors import UserError, one_line
 from keypush.rollout.engine import Event, Lost, raise_failure
-from keypush.rollout.job import Block, take_block
+from keypush.rollout.job import Block, Job, take_block
+from keypush.rollout.provenance import check_provenance
 from keypush.rollout.worker import BlockWorker, Failed, MakeRunner, Message
-from keypush.scenario import Scenario
 from keypush.worker_environment import ONE_THREAD
 
 _CONNECT_SECONDS = 10.0
+_TOKEN = "~/.ray/auth_token"
 
 
 class _RemoteWorker:
     """Lives in a process of the cluster and keeps its diagram between blocks."""
 
     def __init__(
-        self, version: str, scenarios: Sequence[Scenario], make_runner: MakeRunner
+        self, version: str, folder: str, jobs: Sequence[Job], make_runner: MakeRunner
     ) -> None:
         self._version = version
-        self._worker = BlockWorker(scenarios, make_runner)
+        self._folder = folder
+        self._jobs = jobs
+        self._checked: set[int] = set()
+        self._worker = BlockWorker([job.scenario for job in jobs], make_runner)
 
     def run(self, block: Block) -> list[Message]:
-        """Runs a block, unless this machine has another keypush than the driver."""
-        if self._version != __version__:
-            machine = f"machine {platform.node()}: keypush is {__version__} there"
-            return [Failed(f"{machine}; allowed: {self._version}, as here", by_user=True)]
+        """Runs a block, unless this machine has other files or another keypush than the driver."""
+        try:
+            self._check_machine(block.job)
+        except UserError as error:
+            return [Failed(f"machine {platform.node()}: {error}", by_user=True)]
         messages: list[Message] = []
         self._worker.run(block, messages.append)
         return messages
+
+    def _check_machine(self, job: int) -> None:
+        """Raises a UserError that says what is not as where the command was given."""
+        if self._version != __version__:
+            raise UserError(f"keypush is {__version__} there; allowed: {self._version}, as here")
+        if job in self._checked:
+            return
+        # Paths of weights and of policies may be relative to where the command was given.
+        if Path(self._folder).is_dir():
+            os.chdir(self._folder)
+        check_provenance(self._jobs[job])
+        self._checked.add(job)
 
 
 def _check_address(address: str) -> None:
@@ -73,13 +91,11 @@ class RayEngine:
     none, Ray starts one of this machine's cores.
     """
 
-    def __init__(
-        self, workers: int | None, scenarios: Sequence[Scenario], make_runner: MakeRunner
-    ) -> None:
+    def __init__(self, workers: int | None, jobs: Sequence[Job], make_runner: MakeRunner) -> None:
         """Args: see `make_engine`."""
         self.workers = 0
         self._most = workers
-        self._arguments = (__version__, tuple(scenarios), make_runner)
+        self._arguments = (__version__, str(Path.cwd()), tuple(jobs), make_runner)
         self._running: dict[Any, _Running] = {}
         self._connected_here = False
 
@@ -95,7 +111,10 @@ class RayEngine:
                 ray.init(logging_level=logging.ERROR, log_to_driver=False)
             # Ray raises a bare Exception where its own node is too slow to start.
             except Exception as error:
-                raise UserError(f"--engine ray: no cluster answers: {one_line(error)}") from error
+                raise UserError(
+                    f"--engine ray: no cluster answers: {one_line(error)} (where there is one, "
+                    f"RAY_AUTH_MODE and {_TOKEN} must be the same here as there)"
+                ) from error
             self._connected_here = True
         # An actor that found no free core would hold its block for ever.
         resources = ray.cluster_resources()  # type: ignore[no-untyped-call]  # Ray has types in part

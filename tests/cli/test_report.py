@@ -47,6 +47,7 @@ def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (["none"], ["none: no episode"]),
         (["good", "other"], ["other: success of episode 0", "False here and True in good"]),
         (["good", "--out", "folder"], ["output file folder"]),
+        (["good", "--markdown", "folder"], ["output file folder"]),
         (["good", "--out", "x", "--markdown", "./x"], ["--out and --markdown are both x"]),
     ],
     ids=lambda value: " ".join(value)[:40],

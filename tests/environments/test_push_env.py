@@ -162,6 +162,7 @@ def test_an_action_that_is_none_is_refused(environment: PushEnv, action: Any, wo
         ({"object": "block", "objects": "train"}, "both given"),
         ({"action": "torque"}, "action is 'torque'; allowed: residual, keypoint"),
         ({"extras": ["force"]}, "extras has 'force'; allowed: state"),
+        ({"extras": "state"}, "extras is 'state'; allowed: names out of state"),
         ({"extras": None}, "extras is None; allowed: names out of state"),
         ({"extras": [["state"]]}, r"extras has \['state'\]; allowed: state"),
         ({"shaping": -1}, "shaping is -1"),

@@ -12,6 +12,7 @@ from ray.cluster_utils import Cluster
 from keypush.errors import UserError
 from keypush.rollout.job import Job
 from keypush.rollout.parallel import run_job
+from keypush.rollout.provenance import provenance
 from tests.rollout.short_scenarios import (
     DyingOnceRunner,
     DyingRunner,
@@ -60,6 +61,24 @@ def test_a_policy_of_ones_own_drives_there_too(tmp_path: Path) -> None:
     run_job(job, ray_too, engine="ray")
     run_job(job, alone, workers=1)
     assert bytes_of(ray_too) == bytes_of(alone)
+
+
+@pytest.mark.usefixtures("cluster")
+def test_files_are_found_from_where_the_command_is_given_and_compared(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copy(OWN_POLICY.rpartition(":")[0], tmp_path / "pol.py")
+    monkeypatch.chdir(tmp_path)
+    scenario = replace(short_scenario(), policy="pol.py:RearPoint")
+    told = provenance(scenario, ["can"])
+    job = Job(scenario=scenario, objects=("can",), episodes=1, provenance=told)
+    for name in ("same", "other"):
+        (tmp_path / name).mkdir()
+    run_job(job, tmp_path / "same", engine="ray")
+    with (tmp_path / "pol.py").open("a") as file:
+        file.write("# changed\n")
+    with pytest.raises(UserError, match=r"^machine \S+: other than .*: the file of the policy; "):
+        run_job(job, tmp_path / "other", engine="ray")
 
 
 @pytest.mark.usefixtures("cluster")

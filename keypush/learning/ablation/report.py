@@ -57,6 +57,7 @@ def summary(ablation: Ablation) -> list[str]:
 def _introduction(ablation: Ablation) -> list[str]:
     data, settings = (ablation.provenance[name] for name in ("data", "settings"))
     held_out = [name.replace("_", " ") for name in data["held_out_objects"]]
+    trained = len(set(data["objects"]).difference(data["held_out_objects"]))
     scenes = settings["pretraining.epochs"] * settings["pretraining.samples_per_epoch"]
     return [
         "# Ablation",
@@ -67,8 +68,9 @@ def _introduction(ablation: Ablation) -> list[str]:
         ),
         f"    {' '.join(ablation.provenance['command'])}",
         paragraph(
-            f"{len(data['objects']) - len(held_out)} objects are trained on "
-            f"({data['trained_rows']} frames). {', '.join(held_out)} are held out, from the "
+            f"{_count(trained, 'object is', 'objects are')} trained on "
+            f"({data['trained_rows']} frames). {', '.join(held_out)} "
+            f"{'is' if len(held_out) == 1 else 'are'} held out, from the "
             f"pretraining of the encoders ({scenes} scenes each) too. {_seeds(ablation)}"
         ),
         paragraph(
@@ -78,6 +80,10 @@ def _introduction(ablation: Ablation) -> list[str]:
             "are taken while training, with dropout."
         ),
     ]
+
+
+def _count(number: int, one: str, many: str) -> str:
+    return f"{number} {one if number == 1 else many}"
 
 
 def _seeds(ablation: Ablation) -> str:

@@ -1,6 +1,7 @@
 """The page says what the numbers say."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from statistics import fmean
 
@@ -12,6 +13,7 @@ from keypush.errors import UserError
 from keypush.learning.ablation.report import summary, write_report
 from keypush.learning.ablation.results import Ablation
 from keypush.learning.ablation.settings import SETTINGS, SHOWN, Setting
+from keypush.objects.catalogue import catalogue_names
 from tests.learning.ablation.sample import EPOCHS, HELD_OUT, made_up
 
 
@@ -34,6 +36,28 @@ def _rows(page: str, heading: str) -> list[list[str]]:
             break
         rows.append([cell.strip() for cell in line.strip("|").split("|")])
     return rows
+
+
+def _of_data(**told: list[str]) -> Ablation:
+    ablation = made_up(_error)
+    data = {**ablation.provenance["data"], **told}
+    return replace(ablation, provenance={**ablation.provenance, "data": data})
+
+
+@pytest.mark.parametrize(("told_as_trained_on", "told"), [(HELD_OUT, 12), ((), 12)])
+def test_the_page_counts_the_objects_that_are_trained_on(
+    told_as_trained_on: tuple[str, ...], told: int, tmp_path: Path
+) -> None:
+    """Older records list held-out objects among all."""
+    kept = set(catalogue_names("train")).difference(HELD_OUT).union(told_as_trained_on)
+    page = _page(_of_data(objects=sorted(kept)), tmp_path)
+    assert f"\n{told} objects are trained on " in page
+
+
+def test_one_object_is_told_as_one(tmp_path: Path) -> None:
+    page = _page(_of_data(objects=["can"], held_out_objects=["mug"]), tmp_path)
+    assert "\n1 object is trained on " in page
+    assert "mug is held out" in page.replace("\n", " ")
 
 
 def test_the_tables_hold_the_mean_and_the_deviation_of_the_records(tmp_path: Path) -> None:
