@@ -155,7 +155,12 @@ def compare(record: Record, result: EpisodeResult) -> Iterator[str]:
         now = pa.scalar(value, RECORDS.field(name).type).as_py()  # many are in single precision
         both_nan = record[name] != record[name] and now != now
         if record[name] != now and not both_nan:
-            yield f"{name} was {record[name]}, is {now}"
+            yield f"{name} was {_brief(record[name])}, is {_brief(now)}"
+
+
+def _brief(value: object) -> str:
+    """Nine digits tell all numbers of single precision apart."""
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
 def _condition(record: Record) -> str:

@@ -33,7 +33,10 @@ class Gallery:
         count = sum(bool(example.differences) for example in examples)
         if not count:
             return f"All {len(examples)} episodes ran as in their records."
-        return f"{count} of {len(examples)} episodes did not run as in their records; see there."
+        return (
+            f"{count} of {len(examples)} episodes did not run as in their records; see there. "
+            "Processors of another kind round otherwise."
+        )
 
 
 def render_page(gallery: Gallery) -> str:
