@@ -22,7 +22,7 @@ SEED = 4
 """Not that of the data set, nor of evaluations."""
 FEW = "block,mug,bowl,duck,candle,t_block,star_prism,tripod"
 """Objects of every kind, on which one field at a time is changed."""
-_FEW_EPISODES, _ALL_EPISODES, _TRAIN_EPISODES, _NOMINAL_EPISODES = 6, 10, 20, 50
+_FEW_EPISODES, _ALL_EPISODES, _TRAIN_EPISODES, _NOMINAL_EPISODES = 6, 10, 10, 20
 
 
 @dataclass(frozen=True)
