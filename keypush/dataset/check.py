@@ -2,7 +2,6 @@
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
 from keypush.dataset.arrays import to_array
 from keypush.dataset.frame_checks import Check, frame_checks
@@ -11,9 +10,6 @@ from keypush.dataset.layout import DATA_PATH
 from keypush.dataset.own_objects import changed_objects
 from keypush.dataset.read import DataSet
 from keypush.scenario import Scenario, load_scenario
-
-Array = NDArray[np.float64]
-Whole = NDArray[np.int64]
 
 EXPERT_OUTCOMES = ("success", "toppled", "fell", "timed_out")
 """How an episode of the expert may end."""

@@ -20,28 +20,26 @@ def _job(scenario: Scenario, name: str = "can") -> Job:
     return Job(scenario=scenario, objects=(name,), episodes=1, provenance=told)
 
 
-def test_the_same_files_pass_wherever_they_are_named_from(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def own_policy_job(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Job:
+    """Of a policy's file that is named from the working directory."""
     shutil.copy(OWN, tmp_path / "pol.py")
     monkeypatch.chdir(tmp_path)
-    job = _job(Scenario(policy="pol.py:RearPoint"))
-    check_provenance(job)
-    check_provenance(replace(job, provenance={}))  # Of which nothing is known.
+    return _job(Scenario(policy="pol.py:RearPoint"))
 
 
-def test_another_file_of_the_policy_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    shutil.copy(OWN, tmp_path / "pol.py")
-    monkeypatch.chdir(tmp_path)
-    job = _job(Scenario(policy="pol.py:RearPoint"))
+def test_the_same_files_pass(own_policy_job: Job) -> None:
+    check_provenance(own_policy_job)
+    check_provenance(replace(own_policy_job, provenance={}))  # Of which nothing is known.
+
+
+def test_another_file_of_the_policy_is_refused(own_policy_job: Job, tmp_path: Path) -> None:
     (tmp_path / "pol.py").write_text(OWN.read_text() + "\n# changed\n")
     with pytest.raises(UserError, match=r"^other than .* the file of the policy; allowed"):
-        check_provenance(job)
+        check_provenance(own_policy_job)
     (tmp_path / "pol.py").unlink()
     with pytest.raises(UserError, match=r"policy pol\.py:RearPoint: no file pol\.py"):
-        check_provenance(job)
+        check_provenance(own_policy_job)
 
 
 def test_other_weights_are_refused() -> None:

@@ -68,7 +68,7 @@ def _introduction(ablation: Ablation) -> list[str]:
         ),
         f"    {' '.join(ablation.provenance['command'])}",
         paragraph(
-            f"{_count(trained, 'object is', 'objects are')} trained on "
+            f"{trained} {'object is' if trained == 1 else 'objects are'} trained on "
             f"({data['trained_rows']} frames). {', '.join(held_out)} "
             f"{'is' if len(held_out) == 1 else 'are'} held out, from the "
             f"pretraining of the encoders ({scenes} scenes each) too. {_seeds(ablation)}"
@@ -80,10 +80,6 @@ def _introduction(ablation: Ablation) -> list[str]:
             "are taken while training, with dropout."
         ),
     ]
-
-
-def _count(number: int, one: str, many: str) -> str:
-    return f"{number} {one if number == 1 else many}"
 
 
 def _seeds(ablation: Ablation) -> str:

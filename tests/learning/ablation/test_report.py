@@ -44,14 +44,14 @@ def _of_data(**told: list[str]) -> Ablation:
     return replace(ablation, provenance={**ablation.provenance, "data": data})
 
 
-@pytest.mark.parametrize(("told_as_trained_on", "told"), [(HELD_OUT, 12), ((), 12)])
+@pytest.mark.parametrize("told_as_trained_on", [HELD_OUT, ()])
 def test_the_page_counts_the_objects_that_are_trained_on(
-    told_as_trained_on: tuple[str, ...], told: int, tmp_path: Path
+    told_as_trained_on: tuple[str, ...], tmp_path: Path
 ) -> None:
     """Older records list held-out objects among all."""
     kept = set(catalogue_names("train")).difference(HELD_OUT).union(told_as_trained_on)
     page = _page(_of_data(objects=sorted(kept)), tmp_path)
-    assert f"\n{told} objects are trained on " in page
+    assert "\n12 objects are trained on " in page
 
 
 def test_one_object_is_told_as_one(tmp_path: Path) -> None:
